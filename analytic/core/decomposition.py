@@ -20,7 +20,7 @@ from scenes.scene import GROUND
 from .dyads import cross
 from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched, sketched_attitude
 from .groups.continuation import Track
-from .groups.group_equations import DriveJoint, Group, PinJoint, SlideJoint
+from .groups.group_equations import Group, PinJoint, SlideJoint
 from .numbers import Number, Vector, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
@@ -274,7 +274,6 @@ def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
     here = {GROUND, *placed.carries, *bodies}
     own = tuple(one for one in slides if {one.slider, one.on} <= here and {one.slider, one.on} & {*bodies})
     name = next((pin.point for pin in pins if pin.on is not None), bodies[0])
-    body, base = placed.scene.drive.body, placed.scene.drive_on
-    driven = base != GROUND and {body, base} <= here and not {body, base}.isdisjoint(bodies)
-    drive = DriveJoint(body, base, placed.scene.driven_slide is not None) if driven else None
-    return Group(bodies, tuple(pins), own, name, drive)
+    pair = placed.scene.drive.body, placed.scene.drive_on
+    driven = placed.scene.drive_on != GROUND and {*pair} <= here and not {*pair}.isdisjoint(bodies)
+    return Group(bodies, tuple(pins), own, name, pair if driven else None)

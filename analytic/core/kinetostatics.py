@@ -166,15 +166,11 @@ class Balance(Instants):
         self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any, effort: Any
     ) -> None:
         """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider, a drive."""
-        drive = group.drive
-        if drive is not None:
+        if group.drive is not None:
             self.reactions.effort = effort[0]
-            if not drive.slides:
-                for body, sign in ((drive.body, 1), (drive.on, -1)):
-                    if body not in group.bodies:
-                        self.slid_on.setdefault(body, []).append(
-                            ActingForce(samples(0j), self.k.z[self.scene.bodies[body].points[0]], sign * effort[0])
-                        )
+            for body, sign in zip(group.drive, (1, -1), strict=True) if self.scene.driven_slide is None else ():
+                at = self.k.z[self.scene.bodies[body].points[0]]
+                self.pass_on(group, body, ActingForce(samples(0j), at, sign * effort[0]))
         for pin, on_body in zip(group.pins, on_pinned, strict=True):
             self.hold(pin.body, pin.point, on_body)
             if pin.on is not None:
@@ -185,12 +181,16 @@ class Balance(Instants):
             assert slider.slide is not None
             along = self.k.u[slide.on] * as_complex(slider.slide.along)
             reaction = N * (1j * along)
-            if drive is not None and drive.slides and drive.body == slide.slider:
+            if group.drive is not None and slide.slider == self.scene.drive.body:
                 reaction = reaction + effort[0] * along
             at = self.k.z[slider.points[0]]
-            for placed, sign in ((slide.on, -1), (slide.slider, 1)):
-                if placed not in group.bodies:
-                    self.slid_on.setdefault(placed, []).append(ActingForce(sign * reaction, at, sign * M))
+            for body, sign in ((slide.on, -1), (slide.slider, 1)):
+                self.pass_on(group, body, ActingForce(sign * reaction, at, sign * M))
+
+    def pass_on(self, group: Group, body: str, acting: ActingForce) -> None:
+        """Leave what a group does to a body that it hangs on to that body's own balance."""
+        if body not in group.bodies:
+            self.slid_on.setdefault(body, []).append(acting)
 
     def driver(self, leg: Leg) -> None:
         """Balance the driven body, and find the effort of the drive."""

@@ -175,11 +175,11 @@ class RecordedPass(Pass):
             away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
             offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)
             turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
-            if group.drive is not None and group.drive.body == joint.slider:
+            if group.drive is not None and self.scene.drive.body == joint.slider:
                 along = ((u_on * as_complex(slide.along)).conjugate() * away).real
                 driven = [along - self.driven.position]
-        if group.drive is not None and not group.drive.slides:
-            (_, u), (_, u_on) = frames[group.drive.body], frames[group.drive.on]
+        if group.drive is not None and self.scene.driven_slide is None:
+            (_, u), (_, u_on) = (frames[name] for name in group.drive)
             driven = [((u_on * np.exp(1j * self.driven.position)).conjugate() * u).imag]
         make, others = self.make, (*offsets, *turns, *driven)
         return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [traced(make, x).x for x in others]

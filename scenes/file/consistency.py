@@ -11,17 +11,7 @@ from math import pi, remainder
 from ..elements.tables import Table
 from ..errors import InputError, nearest, path_in_file
 from ..limits import POINTS, TURNS, WAVES
-from ..scene import (
-    GROUND,
-    Body,
-    HarmonicLaw,
-    MotionLaw,
-    Scene,
-    SegmentedLaw,
-    Spring,
-    TorsionSpring,
-    Vector,
-)
+from ..scene import GROUND, Body, HarmonicLaw, MotionLaw, Scene, SegmentedLaw, Spring, TorsionSpring, Vector
 from .demands import unmet_by_numbers, unmet_together
 
 
@@ -213,10 +203,8 @@ def _of_table(scene: Scene, place: str, table: Table | None) -> Iterator[str]:
 def _shown(scene: Scene, bodies: Collection[str], known: Collection[str]) -> bool:
     """Whether known points show how bodies are turned: two of one, or one of a slider and one of what it slides on."""
     count = {name: len({*known} & {*scene.bodies[name].points}) for name in bodies}
-    slid = (name for name in bodies if name in scene.slides)
-    return any(each > 1 for each in count.values()) or any(
-        count[name] and count[scene.slides[name].on] for name in slid
-    )
+    slides = ((name, slide.on) for name, slide in scene.slides.items() if name in count)
+    return max(count.values()) > 1 or any(count[name] and count[on] for name, on in slides)
 
 
 def _of_sketch_and_output(scene: Scene, output_slides: bool) -> Iterator[str]:

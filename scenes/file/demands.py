@@ -59,9 +59,7 @@ def _together(scene: Scene) -> Iterator[Demand]:
     for body in scene.bodies.values():
         place = f"bodies.{body.name}"
         if body.slide is not None:
-            drawn = body.slide.drawn
-            text = f"{place}.slides.along: expected a direction of a size from 1e-15 to 1e15, found {{:g}}"
-            yield Demand(text, np.logical_and(drawn >= 1e-15, drawn <= 1e15), (drawn,))
+            yield _of_size(f"{place}.slides.along: expected a direction of a size", body.slide.drawn)
         for a, b, c in _triangles(body):
             text = "the triangle cannot close, expected its longest side to be shorter than the other two together"
             sides = f"found {{:.6g}} {length} against {{:.6g}} {length}"
@@ -82,15 +80,18 @@ def _together(scene: Scene) -> Iterator[Demand]:
             text = f"{place}.force: expected a part along the guide, which the slider closes against, found {{:g}}"
             yield Demand(text, (part := push(load.force, slide)) != 0, (part,))
         elif isinstance(load, TableForce):
-            text = f"{place}.along: expected a direction of a size from 1e-15 to 1e15, found {{:g}}"
-            drawn = np.hypot(*load.along)
-            yield Demand(text, np.logical_and(drawn >= 1e-15, drawn <= 1e15), (drawn,))
+            yield _of_size(f"{place}.along: expected a direction of a size", np.hypot(*load.along))
         if (table := getattr(load, "table", None)) is not None:
             name = COLUMN[table.over]
             unit, size = scene.all_units[DIMENSION[name]]
             for row, (before, after) in enumerate(pairwise(table.arguments), start=1):
                 text = f"{place}.table.{row}.0: expected increasing {name}, found {{:.4g}} {unit}"
                 yield Demand(text, before < after, (after / size,))
+
+
+def _of_size(expected: str, value: Any, unit: str = "") -> Demand:
+    text = f"{expected} from 1e-15{unit} to 1e15{unit}, found {{:g}}{unit}"
+    return Demand(text, np.logical_and(value >= 1e-15, value <= 1e15), (value,))
 
 
 def _of_drawn(body: DrawnBody) -> Iterator[Demand]:
@@ -103,8 +104,7 @@ def _of_drawn(body: DrawnBody) -> Iterator[Demand]:
             expected = "expected sides that meet only at the corner between them, the last one back to the first"
             sides = f"{one} to {one + 1} and {other} to {(other + 1) % len(at)}"
             yield Demand(f"{place}.outline: {expected}, found {sides} that meet", ~where, ())
-    text = f"{place}: expected numbers that give a mass from 1e-15 kg to 1e15 kg, found {{:g}} kg"
-    yield Demand(text, np.logical_and(body.mass >= 1e-15, body.mass <= 1e15), (body.mass,))
+    yield _of_size(f"{place}: expected numbers that give a mass", body.mass, " kg")
 
 
 def _of_drive(scene: Scene) -> Iterator[Demand]:

@@ -81,7 +81,7 @@ class SceneFile(FileTable):
     name: Name = Field(description='Of the folder of results: letters, digits and "_", a letter first.')
     title: str = Field("", max_length=limits.TITLE, description="The heading of the report.")
     source: str = Field("", max_length=limits.SOURCE, description="Where its numbers come from.")
-    units: Units = Field(Units.model_validate({}), description="What the numbers of the file are in; SI where absent.")
+    units: Units = Field({}, validate_default=True, description="What the numbers of the file are in; SI where absent.")
     gravity: Annotated[tuple[Gravity, Gravity], Strict(False)] | None = Field(
         None, description="[x, y] in m/s^2; none where absent."
     )

@@ -44,15 +44,6 @@ class SlideJoint:
 
 
 @dataclass(frozen=True)
-class DriveJoint:
-    """What a drive between moving bodies holds: how far `body` has come on the guide of `on`, or turned against it."""
-
-    body: str
-    on: str
-    slides: bool
-
-
-@dataclass(frozen=True)
 class Group:
     """Bodies that only together have no freedom left, of class III or higher; P is the first pin among them."""
 
@@ -60,13 +51,13 @@ class Group:
     pins: tuple[PinJoint, ...]
     slides: tuple[SlideJoint, ...]
     P: str
-    drive: DriveJoint | None = None
+    drive: tuple[str, str] | None = None  # the driven body, and the moving one that it slides on, or turns against
 
     @property
     def hangs_on(self) -> tuple[str, ...]:
         """The placed bodies, the ground among them, and points that the group's joints are at; and the drive."""
-        drive = self.drive and ("drive", self.drive.body, self.drive.on)
-        joined = (*(name for slide in self.slides for name in (slide.slider, slide.on)), *(drive or ()))
+        drive = ("drive", *self.drive) if self.drive else ()
+        joined = (*(name for slide in self.slides for name in (slide.slider, slide.on)), *drive)
         bodies = (name for name in joined if name not in self.bodies)
         return (*dict.fromkeys(bodies), *dict.fromkeys(f".{pin.point}" for pin in self.pins if pin.on is None))
 
@@ -219,10 +210,10 @@ def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) ->
     G, driven = np.zeros((0 if group.drive is None else 1, len(index))), None
     if group.drive is not None:
         G[0, index["drive"]] = -1
-        if group.drive.slides:
-            driven = [slide.slider for slide in group.slides].index(group.drive.body)
+        if scene.driven_slide is None:
+            G[0, [index[name] for name in group.drive]] = 1, -1
         else:
-            G[0, index[group.drive.body]], G[0, index[group.drive.on]] = 1, -1
+            driven = [slide.slider for slide in group.slides].index(scene.drive.body)
     return GroupEquations(len(group.bodies), S, R, T, E, on, along, size_of(group, bodies), G, driven)
 
 
