@@ -16,7 +16,7 @@ from pydantic import Field, Strict
 from . import limits
 from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
-from .laws import LAWS, Segment
+from .laws import LAWS
 from .laws import Driven as Driven
 from .laws import HarmonicLaw as HarmonicLaw
 from .laws import Samples as Samples
@@ -161,14 +161,14 @@ class SegmentTable(FileTable):
     within: Duration = Field(description="How long it takes, in s.")
     law: Known | None = Field(None, description="By what law: harmonic, cycloidal, polynomial_345 and so on.")
 
-    def segment(self, place: str) -> Segment:
-        """The segment, its numbers as they are; InputError where one of way and law is missing."""
+    def segment(self, place: str) -> tuple[float | None, float, str | None]:
+        """The end, the duration and the law, as they are; InputError where one of way and law is missing."""
         if (self.to is None) != (self.law is None):
             missing, given = ("to", "law") if self.to is None else ("law", "to")
             raise InputError(f"{place}.{missing}: missing beside '{given}'; a dwell has neither")
         if self.law is not None and self.law not in LAWS:
             raise InputError(f"{place}.law: no law '{self.law}'{nearest(self.law, LAWS)}")
-        return Segment(self.to, self.within, self.law)
+        return self.to, self.within, self.law
 
 
 class DriveTable(FileTable):
@@ -209,7 +209,8 @@ class DriveTable(FileTable):
             return ConstantSpeed(self.body, self.speed, start, self.end)
         if self.segments is not None:
             segments = (table.segment(f"drive.segments.{number}") for number, table in enumerate(self.segments))
-            return SegmentedLaw(self.body, start, tuple(segments), periodic)
+            ends, durations, laws = zip(*segments, strict=True)
+            return SegmentedLaw(self.body, start, ends, durations, laws, periodic)
         if self.harmonics is not None:
             return HarmonicLaw(self.body, start, *zip(*self.harmonics, strict=True))
         times, positions = zip(*self.law or (), strict=True)

@@ -85,15 +85,6 @@ DWELL = [Piece(0.0, (0.0,), within=inf)]
 
 
 @dataclass(frozen=True)
-class Segment:
-    """A part of a motion, from rest to rest."""
-
-    to: Position | None  # rad or m; None for a dwell
-    within: Duration  # s
-    law: str | None  # of LAWS; None for a dwell
-
-
-@dataclass(frozen=True)
 class SegmentedLaw:
     """Segments in a row, at rest before and after; or periodic, for ever, where each period may gain whole turns.
 
@@ -102,7 +93,9 @@ class SegmentedLaw:
 
     body: str
     start: Position  # rad or m, when time is zero
-    segments: tuple[Segment, ...]
+    ends: tuple[Position | None, ...] = field(metadata={"path": "segments.*.to"})  # rad or m; None of a dwell
+    durations: tuple[Duration, ...] = field(metadata={"path": "segments.*.within"})  # s
+    laws: tuple[str | None, ...]  # of LAWS; None of a dwell
     periodic: bool
 
     @property
@@ -113,13 +106,12 @@ class SegmentedLaw:
     @cached_property
     def boundaries(self) -> tuple[float, ...]:
         """When the segments begin, and when the last one ends, s."""
-        return tuple(accumulate((segment.within for segment in self.segments), initial=0.0))
+        return tuple(accumulate(self.durations, initial=0.0))
 
     @cached_property
     def positions(self) -> tuple[float, ...]:
         """Where the drive is at those instants, rad or m."""
-        ends = (segment.to for segment in self.segments)
-        return tuple(accumulate(ends, lambda here, to: here if to is None else to, initial=self.start))
+        return tuple(accumulate(self.ends, lambda here, to: here if to is None else to, initial=self.start))
 
     @property
     def cycle(self) -> float:
@@ -139,11 +131,11 @@ class SegmentedLaw:
     @cached_property
     def pieces(self) -> Sequence[Piece]:
         """The pieces of a cycle, in the order of the time."""
-        ways = zip(self.segments, self.boundaries, pairwise(self.positions), strict=False)
+        segments = zip(self.laws, self.durations, self.boundaries, pairwise(self.positions), strict=False)
         return [
-            piece.moved(begin, here, segment.within, there - here)
-            for segment, begin, (here, there) in ways
-            for piece in (LAWS[segment.law] if segment.law else DWELL)
+            piece.moved(begin, here, within, there - here)
+            for law, within, begin, (here, there) in segments
+            for piece in (LAWS[law] if law else DWELL)
         ]
 
     def through(self, cycles: int) -> Sequence[Piece]:

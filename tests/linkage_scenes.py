@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scenes import Scene
 from scenes.bodies import GROUND, Body, Slide
 from scenes.drive import ConstantSpeed, Drive, MotionLaw, Samples
-from scenes.laws import LAWS, HarmonicLaw, Segment, SegmentedLaw
+from scenes.laws import LAWS, HarmonicLaw, SegmentedLaw
 from scenes.scene import Force, ForceTable, Load, PressForce, Sketch, Spring
 
 from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, signs, vectors, xy
@@ -166,12 +166,13 @@ def by_formula(draw: st.DrawFn) -> Scene:
     places = [low, *(low + draw(numbers(0, 1)) * (high - low) for _ in range(3)), high]
     periodic = draw(st.booleans())
     turns = scene.driven_slide is None and scene.drive.repeats
-    parts = [
-        Segment(to, draw(numbers(0.1, 1)), draw(st.sampled_from([*LAWS])))
+    parts: list[tuple[float | None, float, str | None]] = [
+        (to, draw(numbers(0.1, 1)), draw(st.sampled_from([*LAWS])))
         for to in (*places[1:], *((low + draw(st.sampled_from((0, 2 * pi))) * turns,) if periodic else ()))
     ]
-    parts.insert(draw(st.integers(0, len(parts))), Segment(None, draw(numbers(0.1, 1)), None))
-    return replace(scene, drive=SegmentedLaw("driver", low, tuple(parts), periodic))
+    parts.insert(draw(st.integers(0, len(parts))), (None, draw(numbers(0.1, 1)), None))
+    ends, durations, laws = zip(*parts, strict=True)
+    return replace(scene, drive=SegmentedLaw("driver", low, ends, durations, laws, periodic))
 
 
 def loads_on(scene: Scene) -> st.SearchStrategy[Load]:

@@ -47,11 +47,11 @@ class SegmentsLaw:
     """Segments in a row; of `travel` and `pace`, by which only errors are scaled, there is no second implementation."""
 
     def __init__(self, drive: SegmentedLaw) -> None:
-        self._segments, self._periodic = drive.segments, drive.periodic
-        self._ends = [*accumulate((Fraction(segment.within) for segment in drive.segments), initial=Fraction(0))]
+        self._laws, self._periodic, self._durations = drive.laws, drive.periodic, [*map(Fraction, drive.durations)]
+        self._ends = [*accumulate(self._durations, initial=Fraction(0))]
         self._positions = [arb(drive.start)]
-        for segment in drive.segments:
-            self._positions.append(self._positions[-1] if segment.to is None else arb(segment.to))
+        for end in drive.ends:
+            self._positions.append(self._positions[-1] if end is None else arb(end))
         self.travel, self.pace = arb(max(drive.extent)) - min(drive.extent), arb(drive.peak_rate)
 
     def at(self, cycles: Fraction) -> Command:
@@ -60,12 +60,12 @@ class SegmentsLaw:
         periods = (cycles + Fraction(SAME_INSTANT)) // 1 if self._periodic else 0
         time = (cycles - periods) * self._ends[-1]
         last = bisect_right(self._ends, time + hair) - 1
-        i = min(last, len(self._segments) - 1)
-        segment, (here, there) = self._segments[i], self._positions[i : i + 2]
+        i = min(last, len(self._laws) - 1)
+        law, within, (here, there) = self._laws[i], self._durations[i], self._positions[i : i + 2]
         time = self._ends[last] if abs(time - self._ends[last]) <= hair else time
-        x = (time - self._ends[i]) / Fraction(segment.within)
+        x = (time - self._ends[i]) / within
         start = here + periods * (self._positions[-1] - self._positions[0])
-        way = _way(segment.law, x, ball(1 / Fraction(segment.within))) if segment.law else _series(arb(0), arb(0))
+        way = _way(law, x, ball(1 / within)) if law else _series(arb(0), arb(0))
         return _command(cycles * self._ends[-1], start + (there - here) * way)
 
 

@@ -6,7 +6,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from scenes.laws import LAWS, HarmonicLaw, Segment, SegmentedLaw
+from scenes.laws import LAWS, HarmonicLaw, SegmentedLaw
 
 # Of rate and acceleration, a unit of way in a unit of time; and the order of the first derivative that jumps at rest.
 PEAKS = {
@@ -23,14 +23,13 @@ ROUNDED = 2e-14  # of ways and times of a few units, and their derivatives
 
 def segments(law: str, *, periodic: bool, gain: float = 0.0) -> SegmentedLaw:
     """To 2 in half a second, a dwell of 0.1, and back in 0.3: boundaries that no double is."""
-    parts = Segment(2.0, 0.5, law), Segment(None, 0.1, None), Segment(gain, 0.3, law)
-    return SegmentedLaw("crank", 0.0, parts, periodic)
+    return SegmentedLaw("crank", 0.0, (2.0, None, gain), (0.5, 0.1, 0.3), (law, None, law), periodic)
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_peaks_of_rate_and_acceleration(name: str) -> None:
     rate, acceleration, _ = PEAKS[name]
-    law = SegmentedLaw("crank", 1.0, (Segment(-3.0, 0.5, name),), periodic=False)  # a way of 4 in half the time
+    law = SegmentedLaw("crank", 1.0, (-3.0,), (0.5,), (name,), periodic=False)  # a way of 4 in half the time
     driven = law.at(np.linspace(0, 0.5, 24001))  # where 84 / (5 sqrt 5) is, to a parabola's share of a step, squared
     assert abs(np.abs(driven.rate).max() / (8 * rate) - 1) <= ROUNDED
     assert abs(law.peak_rate / (8 * rate) - 1) <= ROUNDED
@@ -60,7 +59,7 @@ def test_rates_and_accelerations_are_integrated_to_the_way(name: str) -> None:
 @pytest.mark.parametrize("name", LAWS)
 def test_what_jumps_at_rest(name: str) -> None:
     """A way that goes as x^n begins with a jump of the n-th derivative."""
-    law = SegmentedLaw("crank", 0.0, (Segment(1.0, 1.0, name),), periodic=False)
+    law = SegmentedLaw("crank", 0.0, (1.0,), (1.0,), (name,), periodic=False)
     for x, y in zip((0.01, 0.02), law.at([0.99, 0.98]).position, strict=True):
         assert abs(law.at(x).position + y - 1) <= 1e-15  # of one; the second half is the mirror image of the first
     small, twice = law.at([0.005, 0.01]).position
