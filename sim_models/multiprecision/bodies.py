@@ -8,7 +8,7 @@ from flint import arb
 from scenes import Failure, Scene, Status
 from scenes.scene import Body, DrawnBody
 
-from .rows import PlaneVector
+from .rows import PlaneVector, vector
 
 FLAT = 1e-9  # rad; the side of a sketched triangle flatter than this is round-off
 
@@ -57,7 +57,10 @@ def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str
 
 
 def weight(body: Body, local: dict[str, PlaneVector]) -> tuple[arb, PlaneVector, arb]:
-    """Return mass, centre of mass and inertia about it; the mass is 1 kg in a kinematic scene."""
+    """Return mass, centre of mass and inertia about it; the mass is 1 kg in a kinematic scene.
+
+    A uniform bar's inertia is m l^2/12, a triangle's m (a^2 + b^2 + c^2)/36, and their centre the mean of the corners.
+    """
     if isinstance(body, DrawnBody):
         around = [(arb(x), arb(y)) for x, y in body.outline]
         if body.width is not None:
@@ -66,8 +69,12 @@ def weight(body: Body, local: dict[str, PlaneVector]) -> tuple[arb, PlaneVector,
             dx, dy = (y - v) * aside, (u - x) * aside
             around = [(x + dx, y + dy), (x - dx, y - dy), (u - dx, v - dy), (u + dx, v + dy)]
         return _of_triangles(around, arb(body.density) * body.thickness)
-    mass = 1.0 if body.mass is None else body.mass
-    return arb(mass), centre_of_mass(body, local), inertia(body, mass, local)
+    mass, corners = arb(1 if body.mass is None else body.mass), [local[point] for point in body.corners]
+    x, y = (sum(axis, arb(0)) / len(corners) for axis in zip(*corners, strict=True))
+    squares = sum(((x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in combinations(corners, 2)), arb(0))
+    uniform = mass * squares / (12 if len(corners) == 2 else 36)
+    inertia = uniform if body.inertia is None else arb(body.inertia)
+    return mass, (x, y) if body.com is None else vector(body.com), inertia
 
 
 def _of_triangles(around: Sequence[PlaneVector], density: arb) -> tuple[arb, PlaneVector, arb]:
@@ -86,20 +93,3 @@ def _of_triangles(around: Sequence[PlaneVector], density: arb) -> tuple[arb, Pla
 def _square(x: arb, y: arb) -> arb:
     """Return x^2 + y^2; a power of a ball that holds zero is none."""
     return x * x + y * y
-
-
-def centre_of_mass(body: Body, local: dict[str, PlaneVector]) -> PlaneVector:
-    """Return the centre of mass; that of a point, a uniform bar or a uniform plate is the mean of its corners."""
-    if body.com is not None:
-        return arb(body.com[0]), arb(body.com[1])
-    x, y = zip(*(local[point] for point in body.corners), strict=True)
-    return sum(x, arb(0)) / len(x), sum(y, arb(0)) / len(y)
-
-
-def inertia(body: Body, mass: float, local: dict[str, PlaneVector]) -> arb:
-    """Return the inertia about the centre of mass: m l^2/12 for a bar, m (a^2 + b^2 + c^2)/36 for a triangle."""
-    if body.inertia is not None:
-        return arb(body.inertia)
-    corners = [local[point] for point in body.corners]
-    sides = [(x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in combinations(corners, 2)]
-    return arb(mass) * sum(sides, arb(0)) / (12 if len(corners) == 2 else 36)

@@ -10,7 +10,7 @@ from flint import arb, arb_mat
 
 from scenes import Scene
 from scenes.model.constraints import groups
-from scenes.scene import GROUND, Slide
+from scenes.scene import GROUND
 
 from .bodies import local_points, weight
 from .drive import law_of
@@ -71,6 +71,12 @@ class LinkageEquations:
             self.add_point(rows, row + axis, axis_vector(axis), *end)
             self.add_point(rows, row + axis, axis_vector(axis, -1), *start)
 
+    def add_angle(self, rows: EquationRows, row: int, name: str, on: str) -> None:
+        """Add the angle of a body from another; that of the ground is zero."""
+        for body, sign in ((name, 1), (on, -1)):
+            if body != GROUND:
+                rows.add_angle(row, self.index[body], arb(sign))
+
     def displacement(self, body: str, point: str | None = None) -> EquationRows:
         """Return one row: the displacement of a slider's first point, or of another, along its guide, m."""
         slide = self.scene.slides[body]
@@ -99,29 +105,19 @@ class LinkageEquations:
         for k, pin in enumerate(scene.pins):
             self.add_way(rows, 2 * k, (pin.first, pin.point), (pin.second, pin.point))
         for k, (name, slide) in enumerate(scene.slides.items(), start=len(scene.pins)):
-            self._add_slide(rows, 2 * k, name, slide)
+            x, y = vector(slide.along)
+            self._add_projection(rows, 2 * k, name, scene.bodies[name].points[0], (-y, x))
+            self.add_angle(rows, 2 * k + 1, name, slide.on)
         self._add_drive(rows, count - 1)
         return rows
-
-    def _add_slide(self, rows: EquationRows, row: int, name: str, slide: Slide) -> None:
-        """Add the offset of a slider's first point along the guide's normal, and its angle from the guide."""
-        x, y = vector(slide.along)
-        self._add_projection(rows, row, name, self.scene.bodies[name].points[0], (-y, x))
-        self._add_angle(rows, row + 1, name, slide.on)
 
     def _add_drive(self, rows: EquationRows, row: int) -> None:
         """Add the position of the drive: the crank's angle, or the driven slider's displacement."""
         name, slide = self.scene.drive.body, self.scene.driven_slide
         if slide is None:
-            self._add_angle(rows, row, name, self.scene.drive_on)
+            self.add_angle(rows, row, name, self.scene.drive_on)
         else:
             self._add_projection(rows, row, name, self.scene.bodies[name].points[0], vector(slide.along))
-
-    def _add_angle(self, rows: EquationRows, row: int, name: str, on: str) -> None:
-        """Add the angle of a body from another, or from the ground."""
-        rows.add_angle(row, self.index[name], arb(1))
-        if on != GROUND:
-            rows.add_angle(row, self.index[on], arb(-1))
 
     def _add_projection(self, rows: EquationRows, row: int, name: str, point: str, direction: PlaneVector) -> None:
         """Add the way from `through` of a guide to a point P of its slider, projected on a direction e of the guide.

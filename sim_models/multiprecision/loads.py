@@ -2,25 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from math import ceil, floor, tau
+from math import ceil, floor, pi, tau
 from typing import TypeAlias
 
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.scene import (
-    GROUND,
-    Force,
-    ForceTable,
-    GuideForce,
-    Load,
-    Moment,
-    PressForce,
-    Spring,
-    TableForce,
-    TorsionSpring,
-    Vector,
-)
+from scenes.scene import Force, ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
 from .rows import EquationRows, PlaneVector, vector
@@ -29,6 +17,8 @@ from .start import closing_sign
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat, arb], arb_mat]  # of q, its rate, both (3 bodies, 1); time, s
 UnitForce: TypeAlias = Callable[[arb_mat], arb_mat]  # Q of 1 N or 1 N m, of q
 Size: TypeAlias = Callable[[arb_mat, arb], arb]  # N or N m, of q and the time, s
+
+HALF_TURN = pi + 1e-9  # rad: half a turn is that, whichever way the scene's numbers were rounded
 
 
 def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float], start: arb_mat) -> GeneralisedForce:
@@ -66,8 +56,8 @@ def _press(linkage: LinkageEquations, load: PressForce, end: float) -> Generalis
 
     On the switch itself nothing is proven, and the force does not act.
     """
-    unit = _of_point(linkage, load, vector(load.force))
-    displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
+    unit, displacement = _unit_force(linkage, load), linkage.displacement(load.body)
+    closing = closing_sign(linkage.scene, load)
 
     def force(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
         Q, left = unit(q), closing * (end - displacement.value(q)[0, 0])
@@ -82,27 +72,21 @@ def _sized(unit: UnitForce, size: Size) -> GeneralisedForce:
 
 
 def _unit_force(linkage: LinkageEquations, load: Load) -> UnitForce:
-    """Return what a load does for every N or N m of its size."""
+    """Return what a load does for every N or N m of its size: the derivative of its work, a row of equations."""
+    work = EquationRows(1, len(linkage.index))
     match load:
         case Force(frame="body", force=force):
             return _turning(linkage, load, vector(force))
         case TableForce(frame="body", along=along):
             return _turning(linkage, load, _unit(along))
         case TableForce(along=along):
-            return _of_point(linkage, load, _unit(along))
+            linkage.add_point(work, 0, _unit(along), load.body, load.at)
+        case PressForce(force=force):
+            linkage.add_point(work, 0, vector(force), load.body, load.at)
         case Moment():
-            turn = arb_mat(3 * len(linkage.index), 1)
-            turn[3 * linkage.index[load.body] + 2, 0] = arb(1)
-            return lambda _q: turn
+            work.add_angle(0, linkage.index[load.body], arb(1))
         case _:  # what moves along the guide against what has it
             work = linkage.displacement(load.body, load.at)
-            return lambda q: work.jacobian(q).transpose()
-
-
-def _of_point(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitForce:
-    """Return the work of a force F in the ground's frame, the derivative of F·p of its point."""
-    work = EquationRows(1, len(linkage.index))
-    linkage.add_point(work, 0, force, load.body, load.at)
     return lambda q: work.jacobian(q).transpose()
 
 
@@ -179,11 +163,9 @@ def _torsion_spring(linkage: LinkageEquations, spring: TorsionSpring, start: arb
     drive's own angle.
     """
     row = EquationRows(1, len(linkage.index))
-    for body, sign in ((spring.first, -1), (spring.second, 1)):
-        if body != GROUND:
-            row.add_angle(0, linkage.index[body], arb(sign))
+    linkage.add_angle(row, 0, spring.second, spring.first)
     driven = row.C in (linkage.position.C, linkage.position.C * -1)
-    turns = 0 if driven else ceil(float(row.value(start)[0, 0]) / tau - 0.5)
+    turns = 0 if driven else ceil((float(row.value(start)[0, 0]) - HALF_TURN) / tau)
     free = spring.angle + 2 * arb.pi() * turns
 
     def moment(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
@@ -194,7 +176,7 @@ def _torsion_spring(linkage: LinkageEquations, spring: TorsionSpring, start: arb
     return moment
 
 
-def _unit(along: Vector) -> PlaneVector:
+def _unit(along: tuple[float, float]) -> PlaneVector:
     x, y = vector(along)
     length = (x * x + y * y).sqrt()
     return x / length, y / length

@@ -62,9 +62,8 @@ def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
     ends = (scene.drive.body, linkage.first_arm(scene.drive.body)), (scene.drive_on, linkage.back_end)
     first, end = (np.array(motion.of_point(linkage.index[name], arm)) for name, arm in ends)
     _, bar, rate, acceleration = first - end
-    return np.asarray(
-        (np.conj(bar) * acceleration + (np.conj(bar) * rate).imag ** 2 / np.abs(bar) ** 2).real / np.abs(bar)
-    )
+    squared = (np.conj(bar) * acceleration + (np.conj(bar) * rate).imag ** 2 / np.abs(bar) ** 2).real
+    return np.asarray(squared / np.abs(bar))
 
 
 def wanted_channels(
@@ -102,7 +101,8 @@ def reaction_channels(linkage: LinkageConstraints, motion: Motions, forces: Pose
     for name, member in linkage.members.items():
         i = linkage.index[name]
         r, _, _, acceleration = motion.of_point(i, member.com)
-        lacking[:, i] += _wrench(r, member.mass * (acceleration - linkage.gravity))
+        force = member.mass * (acceleration - linkage.gravity)
+        lacking[:, i] += np.stack([force.real, force.imag, (np.conj(r) * force).imag], axis=-1)
         lacking[:, i, 2] += member.inertia * a[:, i, 2]
     flat = lacking.reshape(len(q), -1)
     poses = [solved(linkage.jacobian(q[rows]).swapaxes(1, 2), flat[rows]) for rows in blocks(q)]
@@ -126,8 +126,3 @@ def joint_forces(
             ballast = linkage.moved[name].mass - member.mass
             force[pin.channel] = force[pin.channel] + sign * ballast * (acceleration - linkage.gravity)
     return np.stack([np.abs(force[joint]) for joint in joints], axis=1)
-
-
-def _wrench(r: PlaneVector, force: PlaneVector) -> PoseArray:
-    """A force at the arm r as force and moment at the origin, shape (n, 3)."""
-    return np.stack([force.real, force.imag, (np.conj(r) * force).imag], axis=-1)

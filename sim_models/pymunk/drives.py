@@ -7,6 +7,7 @@ one that a step in all coordinates, by the same linear equations, takes to the d
 """
 
 from collections.abc import Mapping
+from typing import TypeAlias
 
 import numpy as np
 import pymunk
@@ -17,8 +18,10 @@ from .constraints import LinkageConstraints, PoseArray, solved
 AIMS = 6  # at most; each is off by a hundredth of the one before, by how far a step turns the bodies
 ON_TARGET = 1e-14  # of the linkage's size
 
+DriveJoint: TypeAlias = pymunk.GearJoint | pymunk.PinJoint
 
-def drive_joint(linkage: LinkageConstraints, bodies: Mapping[str, pymunk.Body]) -> pymunk.GearJoint | pymunk.PinJoint:
+
+def drive_joint(linkage: LinkageConstraints, bodies: Mapping[str, pymunk.Body]) -> DriveJoint:
     """The joint between what drives and what is driven."""
     scene = linkage.scene
     ends = bodies[scene.drive_on], bodies[scene.drive.body]
@@ -27,13 +30,7 @@ def drive_joint(linkage: LinkageConstraints, bodies: Mapping[str, pymunk.Body]) 
     return pymunk.PinJoint(*ends, pair(linkage.back_end), pair(linkage.first_arm(scene.drive.body)))
 
 
-def aim(
-    joint: pymunk.GearJoint | pymunk.PinJoint,
-    linkage: LinkageConstraints,
-    record: PoseArray,
-    position: float,
-    dt: float,
-) -> None:
+def aim(joint: DriveJoint, linkage: LinkageConstraints, record: PoseArray, position: float, dt: float) -> None:
     """Set the joint so that the next step takes the drive to a position, rad or m; `record`, (bodies, 6), is now."""
     if isinstance(joint, pymunk.GearJoint):
         joint.phase = position

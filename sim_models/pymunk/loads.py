@@ -10,7 +10,7 @@ from cmath import exp
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
-from math import ceil, tau
+from math import ceil, pi, tau
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scenes import Scene
 from scenes.elements import PLAIN_KINDS
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce, TorsionSpring
+from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce
 
 from .bodies import pair
 from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes, with_ground
@@ -29,7 +29,7 @@ from .space import Bodies
 from .start import SCENES, DrivePlace, begun, move, rates, start, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
-HALF_TURN = 1e-9  # of a turn: an angle so little beyond half a turn is half a turn, but for rounding
+HALF_TURN = pi + 1e-9  # rad: an angle so little beyond half a turn is half a turn, but for rounding
 
 Active: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
 Planes: TypeAlias = Any  # one number or array for each body and the ground
@@ -68,8 +68,7 @@ def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np
             continue
         r = linkage.arm(load.body, load.at) * turn[i]
         if isinstance(load, ForceTable):
-            size = load.along(linkage.displacement(load.body, z, turn))
-            force = size * complex(*linkage.slides[load.body].along)
+            force = load.along(linkage.displacement(load.body, z, turn)) * complex(*linkage.slides[load.body].along)
         elif isinstance(load, PressForce):
             force = next(presses) * complex(*load.force)
         elif isinstance(load, GuideForce):
@@ -77,12 +76,12 @@ def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np
             on = index[slide.on]
             force = _sized(linkage, load, load.force, at) * complex(*slide.along) * turn[on]
             yield slide.on, -force, _moment(z[i] + r - z[on], -force)
+        elif isinstance(load, Force):
+            force = complex(*load.force) * (turn[i] if load.frame == "body" else 1)
         else:
-            frame = turn[i] if load.frame == "body" else 1
-            if isinstance(load, Force):
-                force = complex(*load.force) * frame
-            else:
-                force = _sized(linkage, load, None, at) * complex(*load.direction) * frame
+            force = (
+                _sized(linkage, load, None, at) * complex(*load.direction) * (turn[i] if load.frame == "body" else 1)
+            )
         yield load.body, force, _moment(r, force)
     for spring in linkage.scene.springs:
         yield from _of_spring(linkage, spring, at)
@@ -142,13 +141,10 @@ def whole_turns(linkage: LinkageConstraints) -> list[float]:
 
     There it lies within half a turn of zero, but the drive's own is as prescribed.
     """
-    angle = with_ground(start(linkage))[0, :, 2]
-
-    def turns(spring: TorsionSpring) -> float:
-        phi = float(angle[linkage.index[spring.second]] - angle[linkage.index[spring.first]])
-        return 0.0 if spring.drives(linkage.scene) else -tau * ceil(phi / tau - 0.5 - HALF_TURN)
-
-    return [turns(spring) for spring in linkage.scene.torsion_springs]
+    angle, index, springs = with_ground(start(linkage))[0, :, 2], linkage.index, linkage.scene.torsion_springs
+    phis = (float(angle[index[spring.second]] - angle[index[spring.first]]) for spring in springs)
+    turns = (ceil((phi - HALF_TURN) / tau) for phi in phis)
+    return [0.0 if own.drives(linkage.scene) else -tau * whole for own, whole in zip(springs, turns, strict=True)]
 
 
 def active_presses(linkage: LinkageConstraints, at: Instant, ends: Sequence[float]) -> list[NDArray[np.bool_]]:

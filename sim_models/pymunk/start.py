@@ -101,12 +101,9 @@ def _angles(linkage: LinkageConstraints, shown: Shown, position: float) -> dict[
         fits = (np.vdot(a - a.mean(), p - p.mean()) for a, p in (shown[name] for name in sorted(group)) if len(a))
         if fit := sum(fits) or _fit_of_pairs(linkage, group, shown, position):
             angles[group] = float(np.angle(fit))
-    if scene.driven_slide is None and driven not in angles:
-        angles[driven] = angles.get(on, 0.0) + position
-    elif scene.driven_slide is None and on in angles:
-        angles[driven] += tau * round((angles[on] + position - angles[driven]) / tau)
-    elif scene.driven_slide is None:
-        angles[on] = angles[driven] - position
+    if scene.driven_slide is None:
+        turned = angles.setdefault(on, angles.get(driven, position) - position) + position
+        angles[driven] = angles.setdefault(driven, turned) + tau * round((turned - angles[driven]) / tau)
     return dict.fromkeys(scene.aligned.values(), 0.0) | angles
 
 

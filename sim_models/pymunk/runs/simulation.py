@@ -39,6 +39,7 @@ class PymunkSimulation:
 
     def __init__(self, scene: Scene, settings: AnySettings, request: Request) -> None:
         self._scene, self._sampling = scene, equal_steps(request)
+        self._times = self._sampling.times(scene)
         self._stroke_ends: Sequence[float] = []
         if isinstance(settings, TextbookSettings):
             self._runs: Sequence[PymunkRun] = [TextbookRun(scene, self._sampling, settings)]
@@ -75,11 +76,9 @@ class PymunkSimulation:
             runs = [run.motions for run in self._runs]
             motion = Motions(*(_richardson(values) for values in zip(*runs, strict=True)))
             if not isinstance(self._scene.drive, ConstantSpeed):
-                motion = with_rates_of_law(self._linkage, self._sampling.times(self._scene), motion)
+                motion = with_rates_of_law(self._linkage, self._times, motion)
             self._q, wanted = motion.q, frozenset(self._sampling.wanted(self._scene))
-            self._channels = wanted_channels(
-                self._linkage, wanted, self._sampling.times(self._scene), motion, self._active(motion)
-            )
+            self._channels = wanted_channels(self._linkage, wanted, self._times, motion, self._active(motion))
             if self._scene.drive_on != GROUND:  # that of the runs: it need not be linear in the coordinates
                 position = _richardson([self._linkage.drive_position(run.q) for run in runs])
                 self._channels = {**self._channels, self._scene.drive_channel: position}
@@ -88,7 +87,7 @@ class PymunkSimulation:
         """The channels, having checked each run; a Failure names the drive's position and has the motion with it."""
         wanted = [name for name in self._sampling.wanted(self._scene) if name in self._channels]
         own = {name: np.ascontiguousarray(self._channels[name]) for name in wanted}  # not parts of larger arrays
-        motion = Motion({"time": self._sampling.times(self._scene)} | own)
+        motion = Motion({"time": self._times} | own)
         try:
             self.residuals = self._checked(motion.samples)
         except Failure as failure:
@@ -119,14 +118,14 @@ class PymunkSimulation:
     def _confirmed(self, run: Integration) -> dict[str, float]:
         """Find the residual of the forces that follow from a run's motion, against the engine's own."""
         motion = run.motions
-        at = instants(self._linkage, self._sampling.times(self._scene), motion.q, run.rates)
+        at = instants(self._linkage, self._times, motion.q, run.rates)
         reactions = reaction_channels(self._linkage, motion, applied(self._linkage, at, run.active))
         expected, own = joint_forces(self._linkage, motion, reactions, run.joints), run.impulses / run.steps.size
         return check_impulses(self._linkage, run.positions[:: run.steps.stride], expected, own)
 
     def _active(self, motion: Motions) -> Active:
         """Tell for the n samples which press forces act, shape (n, press forces)."""
-        at = instants(self._linkage, self._sampling.times(self._scene), motion.q, motion.v)
+        at = instants(self._linkage, self._times, motion.q, motion.v)
         active = active_presses(self._linkage, at, self._stroke_ends)
         return np.array(active, dtype=np.bool_).reshape(len(active), len(motion.q)).T
 

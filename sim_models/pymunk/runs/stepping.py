@@ -152,8 +152,7 @@ class TextbookRun:
     All links are dynamic bodies about their centres of mass, a SimpleMotor turns the crank, a slider that cannot turn
     runs in a GrooveJoint, constant forces are applied before each step, and everything else is preset: 10 sweeps,
     joints that correct a tenth of their error in 1/60 s. The start is closed, with the rates of the drive. Poses and
-    velocities are read after a step; accelerations are the change of the velocities in it. No impulses of `joints`
-    could confirm the reactions.
+    velocities are read after a step; accelerations are the change of the velocities in it.
     """
 
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
@@ -177,8 +176,7 @@ class TextbookRun:
         self._before, self._after = PropertyRecorder(bodies.values()), PropertyRecorder(bodies.values())
         constant = [load for load in scene.loads if isinstance(load, Force)]
         self._loads = [(bodies[at.body], at.force, pair(linkage.arm(at.body, at.at))) for at in constant]
-        self.positions, self.joints = sampling.commanded(scene), dict[str, Active]()
-        self.impulses, self.active = np.empty((sampling.count, 0)), np.zeros((sampling.count, 0), dtype=np.bool_)
+        self.positions = sampling.commanded(scene)
 
     @property
     def counters(self) -> dict[str, int]:
