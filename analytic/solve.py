@@ -17,7 +17,7 @@ from scenes.scene import ConstantSpeed, PressForce
 
 from .channels import FromBoth, all_channels, asked
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
-from .core.elements import Given, stroke_end_input
+from .core.elements import Given
 from .core.groups.continuation import Track, misfit
 from .core.groups.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
@@ -80,8 +80,8 @@ def prepared(
     request, needed = asked(scene, whole, channels)
     linkage, forces = followed(scene, needed, tracks), request.wants_forces(scene)
     end = cache(partial(stroke_end, scene, linkage))
-    presses = {stroke_end_input(n): load for n, load in enumerate(scene.loads) if isinstance(load, PressForce)}
-    ends = {name: end(load.body, load.closing) for name, load in presses.items() if forces}
+    presses = {place: load for place, load in scene.elements if forces and isinstance(load, PressForce)}
+    ends = {place: end(load.body, load.closing) for place, load in presses.items()}
     return Solver(scene, linkage, ends, request, windings=windings(scene, linkage) if forces else {})
 
 
@@ -91,7 +91,7 @@ class Solver:
 
     scene: Scene
     linkage: Linkage
-    stroke_ends: Mapping[str, float]  # by input, m, where forces are wanted
+    stroke_ends: Mapping[str, float]  # by place in the file, m, where forces are wanted
     request: Request
     at_hand: tuple[Program, Line] | None = None  # the formulas as they are recorded already
     motion_at: MotionAt | None = None  # another way to the kinematics

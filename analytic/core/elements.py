@@ -10,7 +10,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.model.motion import Samples
-from scenes.scene import ELEMENTS, GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce
+from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce
 from scenes.scene import TorsionSpring as Twist
 
 from .decomposition import Linkage
@@ -19,7 +19,9 @@ from .geometry import as_complex
 from .numbers import Number, chosen, samples
 from .placing import Kinematics
 
-Given: TypeAlias = Mapping[str, Number]  # by input: the drive's `position`, the `time`, what was prepared
+# The drive's `position` and the `time`; by place in the file where a press force's stroke ends, m, and what the angle
+# of a torsion spring is roughly, rad, over whole turns.
+Given: TypeAlias = Mapping[str, Number]
 
 
 class ActingForce(NamedTuple):
@@ -46,10 +48,9 @@ class Instants:
     def outside(self) -> Mapping[str, list[ActingForce]]:
         """By body, what acts on it of all elements."""
         acting: dict[str, list[ActingForce]] = {}
-        for key in ELEMENTS:
-            for number, element in enumerate(getattr(self.scene, key)):
-                for body, force in acts(element, number, self):
-                    acting.setdefault(body, []).append(force)
+        for place, element in self.scene.elements:
+            for body, force in acts(element, place, self):
+                acting.setdefault(body, []).append(force)
         return acting
 
     def guide(self, body: str) -> tuple[Vectors, Samples]:
@@ -71,27 +72,27 @@ class Instants:
 
 
 @singledispatch
-def acts(element: Any, number: int, at: Instants) -> Acting:
-    """Yield what an element does to each body, by its number in the scene's list."""
-    raise NotImplementedError(type(element), number, at)
+def acts(element: Any, place: str, at: Instants) -> Acting:
+    """Yield what an element, which has a place in the file, does to each body."""
+    raise NotImplementedError(type(element), place, at)
 
 
 @acts.register
-def _force(load: Force | TableForce, _: int, at: Instants) -> Acting:
+def _force(load: Force | TableForce, _: str, at: Instants) -> Acting:
     vector = load.force if isinstance(load, Force) else load.direction
     force = samples(as_complex(vector)) if isinstance(load, Force) else as_complex(vector) * at.size(load)
     yield load.body, ActingForce(force if load.frame == "ground" else at.k.u[load.body] * force, at.k.z[load.at])
 
 
 @acts.register
-def _press_force(load: PressForce, number: int, at: Instants) -> Acting:
+def _press_force(load: PressForce, place: str, at: Instants) -> Acting:
     s, ds, _ = at.k.displaced(at.scene, at.scene.bodies[load.body].points[0])
-    acting = load.acts(s, ds, at.given[stroke_end_input(number)])
+    acting = load.acts(s, ds, at.given[place])
     yield load.body, ActingForce(np.where(acting, as_complex(load.force), 0), at.k.z[load.at])
 
 
 @acts.register
-def _guide_force(load: ForceTable | GuideForce, _: int, at: Instants) -> Acting:
+def _guide_force(load: ForceTable | GuideForce, _: str, at: Instants) -> Acting:
     along, displacement = at.guide(load.body)
     size = load.along(displacement) if isinstance(load, ForceTable) else at.size(load, load.force)
     yield load.body, ActingForce(along * size, at.k.z[load.at])
@@ -99,12 +100,12 @@ def _guide_force(load: ForceTable | GuideForce, _: int, at: Instants) -> Acting:
 
 
 @acts.register
-def _moment(load: Moment, _: int, at: Instants) -> Acting:
+def _moment(load: Moment, _: str, at: Instants) -> Acting:
     yield load.body, ActingForce(samples(0j), at.k.z[load.at], at.size(load, load.moment))
 
 
 @acts.register
-def _spring(spring: Spring, _number: int, at: Instants) -> Acting:
+def _spring(spring: Spring, _place: str, at: Instants) -> Acting:
     z, v, damping = at.k.z, at.k.v, spring.damping
     for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
         if body != GROUND:
@@ -118,12 +119,12 @@ def _spring(spring: Spring, _number: int, at: Instants) -> Acting:
 
 
 @acts.register
-def _torsion_spring(spring: Twist, number: int, at: Instants) -> Acting:
+def _torsion_spring(spring: Twist, place: str, at: Instants) -> Acting:
     if sign := spring.drives(at.scene):
         phi = sign * at.given["position"]
     else:
         phi = twist(spring, at.k)
-        phi = phi + tau * np.floor((at.given[f"twist.{number}"] - phi) / tau + 0.5)
+        phi = phi + tau * np.floor((at.given[place] - phi) / tau + 0.5)
     moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
     for body, share in ((spring.second, moment), (spring.first, -moment)):
         yield body, ActingForce(samples(0j), at.k.z[spring.at], share)
@@ -136,10 +137,5 @@ def twist(spring: Twist, k: Kinematics) -> Any:
 
 
 def wound(scene: Scene) -> Mapping[str, Twist]:
-    """Torsion springs, but the drive's own, by the input that has their angle over whole turns roughly, rad."""
-    return {f"twist.{n}": spring for n, spring in enumerate(scene.torsion_springs) if not spring.drives(scene)}
-
-
-def stroke_end_input(number: int) -> str:
-    """The name of the input that is where a press force's stroke ends, m, by the number of the load."""
-    return f"stroke_end.{number}"
+    """Torsion springs, but the drive's own, by their places in the file."""
+    return {place: spring for place, spring in scene.elements if isinstance(spring, Twist) and not spring.drives(scene)}

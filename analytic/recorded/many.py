@@ -17,7 +17,6 @@ from scenes.file.changes import numbers_of, refused
 from scenes.scene import PressForce
 
 from ..core.decomposition import decompose
-from ..core.elements import stroke_end_input
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, equations_of
 from ..core.kinematics import kinematics
@@ -232,7 +231,7 @@ def told(failed: Mapping[int, Ending], count: int) -> tuple[tuple[Status, ...], 
 def _stroke_ends(
     many: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
 ) -> dict[str, Samples]:
-    """Where each machine's closing strokes end, m, shape (m, 1), by the input's name; none where no force is wanted."""
+    """Where each machine's closing strokes end, m, shape (m, 1), by the load's place; none where no force is wanted."""
     count = len(tracks)
     extent = [np.broadcast_to(end, (count, 1)) for end in many.drive.extent]
 
@@ -248,6 +247,6 @@ def _stroke_ends(
         parts = [furthest(partial(displaced, rows), *(each[rows] for each in (signs, *extent))) for rows in some]
         return np.concatenate(parts)[:, np.newaxis]
 
-    loads = {number: many.loads[number] for number in program.strokes}
-    signs = {n: np.broadcast_to(load.closing, (count, 1)) for n, load in loads.items() if isinstance(load, PressForce)}
-    return {stroke_end_input(n): ends(program.strokes[n], sign.astype(float).tobytes()) for n, sign in signs.items()}
+    presses = ((place, load.closing) for place, load in many.elements if isinstance(load, PressForce))
+    signs = {place: np.broadcast_to(closing, (count, 1)) for place, closing in presses if place in program.strokes}
+    return {place: ends(program.strokes[place], sign.astype(float).tobytes()) for place, sign in signs.items()}

@@ -19,7 +19,7 @@ from scenes.scene import GROUND, ConstantSpeed, PressForce
 
 from ..channels import all_channels, asked
 from ..core.decomposition import Linkage, decompose
-from ..core.elements import stroke_end_input, wound
+from ..core.elements import wound
 from ..core.geometry import as_complex
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, size_of
@@ -42,7 +42,7 @@ class Program:
     closed: Mapping[Group, Expression]  # the larger groups' coordinates
     numbers: Mapping[str, Expression]
     channels: Mapping[str, Expression]
-    strokes: Mapping[int, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
+    strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
     reach: Expression  # negative where a group does not reach, or its branch is open
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
 
@@ -72,13 +72,13 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     way = RecordedPass(make, opened, linkage, driven)
     k = way.solve().k
     on = Reactions()
-    strokes: dict[int, tuple[Expression, Expression]] = {}
+    strokes: dict[str, tuple[Expression, Expression]] = {}
     if request.wants_forces(scene):
-        for number, load in enumerate(scene.loads):
+        for place, load in scene.elements:
             if isinstance(load, PressForce):
                 s, ds, _ = (traced(make, x).x for x in k.displaced(opened, scene.bodies[load.body].points[0]))
-                strokes[number] = s, ds
-        given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in map(stroke_end_input, strokes)}
+                strokes[place] = s, ds
+        given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
         on = RecordedBalance(opened, linkage, given, k).solve(channels)
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}

@@ -44,9 +44,7 @@ def to_lock(equations: GroupEquations, pose: FramePoses) -> Samples:
 
 def _lengths(equations: GroupEquations) -> Iterator[GroupEquations]:
     """Yield what a unit of each length adds to the constraints: of a link in its last pin, of a guide at its point."""
-    none = replace(
-        equations, S=0 * equations.S, R=0 * equations.R, T=0 * equations.T, E=0 * equations.E, G=0 * equations.G
-    )
+    none = replace(equations, **{name: 0 * getattr(equations, name) for name in "SRTEG"})
     for link in range(equations.bodies):
         pins = np.flatnonzero(equations.S[:, link])
         if len(pins) == 2 and not equations.T[:, link].any():
