@@ -43,10 +43,7 @@ class SymbolicLinkage:
         sliders = [*scene.slides]
         pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
         self.row_units = np.array([self.size] * 2 * len(pins) + [self.size, 1.0] * len(sliders) + [self.drive_unit])
-        rows = vertcat(*pins, *map(self._slide, sliders), self.drive_position)
-        self.constraints = rows / self.row_units
-
-    # --- geometry -----------------------------------------------------------------------------------------------------
+        self.constraints = vertcat(*pins, *map(self._slide, sliders), self.drive_position) / self.row_units
 
     def angle(self, body: str) -> Any:
         """Return the angle of a body's x axis, rad."""
@@ -66,9 +63,7 @@ class SymbolicLinkage:
 
     def point(self, body: str, name: str) -> Any:
         """Return where a body has a point, m."""
-        if body == GROUND:
-            return vertcat(*self.scene.ground[name])
-        return self.place(body, self.bodies[body].points[name])
+        return self.place(body, self.scene.ground[name] if body == GROUND else self.bodies[body].points[name])
 
     @property
     def drive_position(self) -> Any:
@@ -86,8 +81,6 @@ class SymbolicLinkage:
         axis = self.turned(slide.on, casadi.vertsplit(casadi.mtimes(TURNED, along) if across else along))
         way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
         return casadi.dot(axis, way)
-
-    # --- forces -------------------------------------------------------------------------------------------------------
 
     @cached_property
     def required(self) -> Any:

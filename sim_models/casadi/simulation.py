@@ -102,7 +102,6 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
             needed = Function("needed", known, [linkage.required])
             multipliers = casadi.solve(J.T, needed(x, v, a, self._ends), SOLVER)
         held = SX.sym("l", count)
-        all_channels = channels(linkage, held)
-        rows = casadi.vertcat(*map(all_channels.__getitem__, self._wanted), linkage.shortest_spring)
+        rows = casadi.vertcat(*map(channels(linkage, held).__getitem__, self._wanted), linkage.shortest_spring)
         sampled = Function("channels", [linkage.x, linkage.v, linkage.a, held], [rows])
         return Function("sample", [x, rate, acceleration], [sampled(x, v, a, multipliers)])

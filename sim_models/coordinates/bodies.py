@@ -57,11 +57,7 @@ class MovingBody(NamedTuple):
 
 
 def framed_body(scene: Scene, body: Body) -> FramedBody:
-    """Return a body of the scene, of 1 kg in a kinematic one.
-
-    Raises:
-        Failure: `cannot_assemble`, its lengths do not meet, or the sketch shows no side for one of its points.
-    """
+    """Return a body, of 1 kg in a kinematic scene; Failure where its lengths do not meet, or nothing shows the side."""
     points = dict(body.local or {})
     if body.lengths is not None:
         first, second, *others = body.points

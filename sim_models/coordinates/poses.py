@@ -114,8 +114,6 @@ class PathFollower:
                 ahead.append((self.system.gaps(pose.x) + ahead[-1]) / 2)
         raise Stuck(pose)
 
-    # --- why not ------------------------------------------------------------------------------------------------------
-
     def _locked(self, pose: ClosedPose, goal: float) -> Failure:
         """Return why no pose follows on the way of the drive to a goal."""
         here = float(self.system.gaps(pose.x)[-1]) * self.system.drive_unit

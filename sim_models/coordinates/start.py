@@ -24,12 +24,7 @@ Start: TypeAlias = tuple[PathFollower, ClosedPose, Samples]
 
 
 def begun(system: System) -> Start:
-    """Return the start of a linkage.
-
-    Raises:
-        Failure: `unsupported`, constraints repeat each other; `cannot_assemble` or `not_converged`, no pose on the
-            sketch's branch; `timed_out`.
-    """
+    """Return the start of a linkage; Failure where constraints repeat others, or no pose is on the sketch's branch."""
     poses, drawn = PathFollower(system), system.scene.sketched_drive
     x, rows = system.placed(on_sketch(system, drawn)), len(system.row_units)
     if len(x) != rows:
@@ -76,9 +71,6 @@ def _apart(poses: PathFollower, pose: ClosedPose, position: float) -> Failure:
         return Failure(Status.unsupported, reason)
     reason = f"the bodies do not fit together where the sketch shows them, {where}{poses.misfit(pose, position)}"
     return Failure(Status.cannot_assemble, reason)
-
-
-# --- strokes ---------------------------------------------------------------------------------------------------------
 
 
 def stroke_ends(poses: PathFollower, start: ClosedPose) -> Samples:

@@ -80,8 +80,6 @@ class System:
         slides = body in self.guides and body not in self.sliders
         return [f"{body}.s"] if slides else [f"{body}.x", f"{body}.y", f"{body}.turn"]
 
-    # --- coordinates and bodies ---------------------------------------------------------------------------------------
-
     def placed(self, bodies: Mapping[str, MovingBody]) -> Samples:
         """Return the coordinates of bodies in these places, shape (n,); joints that hold them apart stay open."""
         q = list[float]()
@@ -122,8 +120,6 @@ class System:
 
         return sorted(self.bodies, key=depth)
 
-    # --- constraints --------------------------------------------------------------------------------------------------
-
     @cached_property
     def row_units(self) -> Samples:
         """What the rows of C are over, m or rad, shape (m,)."""
@@ -158,8 +154,6 @@ class System:
         body = self.scene.drive.body
         return bodies[body].turning[level] if self.scene.driven_slide is None else self.slid(bodies, body)[level].real
 
-    # --- steps --------------------------------------------------------------------------------------------------------
-
     def step(self, pose: ClosedPose, goal: Samples) -> tuple[ClosedPose | None, int]:
         """Return the pose where C(x) = goal, None where the step is too long, and the iterations of Newton's method."""
         iterations = 0
@@ -180,8 +174,6 @@ class System:
             return ClosedPose(x, self.jacobian(x)) if length <= CONVERGED else None, iterations
         except np.linalg.LinAlgError:
             return None, iterations
-
-    # --- what bodies do -----------------------------------------------------------------------------------------------
 
     def slid(self, bodies: Mapping[str, MovingBody], slider: str) -> tuple[Any, Any, Any]:
         """Return a slider's first point less `through`, over `along`, and its derivatives, in the guide's frame.

@@ -3,7 +3,7 @@
 A point of the plane is a complex number, x + iy.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import copysign, log2, sqrt
 from typing import Any
@@ -61,15 +61,14 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     forces = [body.mass * acceleration for body in bodies.values()]
     forces += [_largest(load, size) for load in scene.loads]
     forces += [spring.stiffness * size + (spring.damping or 0.0) * size * rate for spring in scene.springs]
-    twists = scene.torsion_springs
-    forces += [(t.stiffness * (1 + abs(t.angle)) + (t.damping or 0.0) * rate) / size for t in twists]
+    forces += [(t.stiffness * (1 + abs(t.angle)) + (t.damping or 0.0) * rate) / size for t in scene.torsion_springs]
     largest = max(forces) * (1.0 if scene.has_masses else LIGHTER)
     return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
 
 
 def _largest(load: Load, size: float) -> float:
     """The largest force of a load, N, a moment's on an arm as long as the linkage."""
-    values: Sequence[Any]
+    values: Any
     match load:
         case Moment(moment=constant, table=table) | GuideForce(force=constant, table=table):
             values = table.values if table else (constant,)
@@ -79,8 +78,7 @@ def _largest(load: Load, size: float) -> float:
             values = load.forces
         case Force() | PressForce():
             values = load.force
-    largest = max(abs(float(value)) for value in values)
-    return largest / size if isinstance(load, Moment) else largest
+    return float(np.abs(values).max()) / (size if isinstance(load, Moment) else 1.0)
 
 
 def _local_points(scene: Scene, body: Body) -> dict[str, complex]:

@@ -29,10 +29,8 @@ def version() -> str:
 def build(scene: Scene, settings: ExudynSettings, request: Request) -> Simulation:
     """Assemble the linkage on the sketch's branch and prepare its solution, see `scenes.model.engine.Engine.build`.
 
-    Raises:
-        Failure: `unsupported`, the scene or the request cannot be modelled; `cannot_assemble`, `wrong_branch` or
-            `not_converged`, no pose on the sketch's branch, there or on the way to the start or through the cycle;
-            `crashed`, an error of Exudyn's own.
+    Failure: `unsupported`, the scene or the request cannot be modelled; `cannot_assemble`, `wrong_branch` or
+    `not_converged`, no pose on the sketch's branch, there or on the way to the start or through the cycle; `crashed`.
     """
     import exudyn
 

@@ -88,6 +88,5 @@ class Equations:
         system = self._system
         joints = {f"the guide of {name}": system.columns(slide)[:1] for name, slide in system.slides.items()}
         joints |= {name: system.columns(pin) for name, pin in system.pins.items()}
-        units = np.tile([system.size, system.size, 1.0], len(system.bodies))
-        given = self.jacobian, q, units, joints, system.size
+        given = self.jacobian, q, np.tile([system.size, system.size, 1.0], len(system.bodies)), joints, system.size
         return misfit(system.scene, positions, lambda position, at: self.residual(at, position), *given)

@@ -51,9 +51,8 @@ def version() -> str:
 def build(scene: Scene, settings: MujocoSettings, request: Request) -> Simulation:
     """Model and assemble the linkage and follow it once through its way, see `scenes.model.engine.Engine.build`.
 
-    Raises:
-        Failure: `unsupported`, a body has no mass, constraints repeat each other, or the request is for positions of
-            the drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch; `timed_out`.
+    Failure: `unsupported`, a body has no mass, constraints repeat each other, or the request is for positions of the
+    drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch; `timed_out`.
     """
     from .simulation import MujocoSimulation
 

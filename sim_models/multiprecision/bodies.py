@@ -72,8 +72,7 @@ def weight(body: Body, local: dict[str, PlaneVector]) -> tuple[arb, PlaneVector,
     mass, corners = arb(1 if body.mass is None else body.mass), [local[point] for point in body.corners]
     x, y = (sum(axis, arb(0)) / len(corners) for axis in zip(*corners, strict=True))
     squares = sum(((x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in combinations(corners, 2)), arb(0))
-    uniform = mass * squares / (12 if len(corners) == 2 else 36)
-    inertia = uniform if body.inertia is None else arb(body.inertia)
+    inertia = mass * squares / (12 if len(corners) == 2 else 36) if body.inertia is None else arb(body.inertia)
     return mass, (x, y) if body.com is None else vector(body.com), inertia
 
 

@@ -32,9 +32,8 @@ def version() -> str:
 def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> Simulation:
     """Close the linkage on the sketch's branch and move it to the start, see `scenes.model.engine.Engine.build`.
 
-    Raises:
-        Failure: `cannot_assemble`, the linkage cannot be assembled as sketched, or is singular on the way to the start,
-            or within the cycle where the end of a press force's stroke is needed; `timed_out`.
+    Failure: `cannot_assemble`, the linkage cannot be assembled as sketched, or is singular on the way to the start, or
+    within the cycle where the end of a press force's stroke is needed; `timed_out`.
     """
     from .simulation import MultiprecisionSimulation
 

@@ -50,8 +50,6 @@ class Closures(System):
         """Return C_x, shape (m, n), by Pinocchio's Jacobians of the bodies."""
         return np.asarray(self.rows_of(self.tree.by_coordinate(self.units * x), 1) * self.units)
 
-    # --- forces -------------------------------------------------------------------------------------------------------
-
     def forces(
         self, motion: Sequence[Samples], J: Samples, bodies: Mapping[str, MovingBody], ends: Samples
     ) -> dict[str, float]:

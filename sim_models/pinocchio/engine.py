@@ -38,9 +38,8 @@ def version() -> str:
 def build(scene: Scene, settings: PoseSettings, request: Request) -> Simulation:
     """Span the tree and find the pose at the start, see `scenes.model.engine.Engine.build`.
 
-    Raises:
-        Failure: `unsupported`, constraints repeat each other, or steps of the time cannot meet positions of the drive;
-            `cannot_assemble` or `not_converged`, no pose on the sketch's branch; `timed_out`.
+    Failure: `unsupported`, constraints repeat each other, or steps of the time cannot meet positions of the drive;
+    `cannot_assemble` or `not_converged`, no pose on the sketch's branch; `timed_out`.
     """
     from .simulation import PinocchioSimulation
 

@@ -46,10 +46,8 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
 def build(scene: Scene, settings: AnySettings, request: Request) -> Simulation:
     """Prepare one run, or one for each level, from a consistent start, see `scenes.model.engine.Engine.build`.
 
-    Raises:
-        Failure: `unsupported`, pymunk has no body, joint, load or drive for something, or the request is for positions
-            of the drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch, with the drive's
-            position.
+    Failure: `unsupported`, pymunk has no body, joint, load or drive for something, or the request is for positions of
+    the drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch, with the drive's position.
     """
     from .runs.simulation import PymunkSimulation
 

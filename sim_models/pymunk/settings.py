@@ -83,8 +83,7 @@ def _fictitious(steps: int, levels: int, sweeps: int, **options: Any) -> PymunkS
 def _textbook(steps: int) -> TextbookSettings:
     """A first script's settings; unconverged sweeps and a slack correction add up to no known order."""
     note = "as a new user meets it: the engine's own defaults, all links dynamic, a motor on the crank"
-    label = f"textbook, {steps} steps"
-    return TextbookSettings(label, steps, family="textbook", note=note, drive_promise=0.1)
+    return TextbookSettings(f"textbook, {steps} steps", steps, family="textbook", note=note, drive_promise=0.1)
 
 
 # Measured good to 1 % in the reactions of every shipped scene.

@@ -22,7 +22,7 @@ from scenes.scene import GROUND
 from .bodies import pair
 from .constraints import LinkageConstraints, PoseArray
 from .masses import fictitious_masses, masses_of
-from .settings import PymunkExtra, PymunkSettings
+from .settings import PymunkSettings
 from .space import Model
 from .start import SCENES, begun, way
 
@@ -63,9 +63,8 @@ def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float
     """Yield rho at places of the drive through its whole range; `pose` is that at its start."""
     drive = linkage.scene.drive
     driven = linkage.moved[drive.body].prescribed or linkage.scene.drive_on != GROUND
-    extra: PymunkExtra = "" if driven else "motor"
     still = np.zeros_like(pose)
-    model = Model(linkage, pose, still, 0.0, extra)
+    model = Model(linkage, pose, still, 0.0, "" if driven else "motor")
     for q in (pose, *(q for end in drive.extent for _, q in way(linkage, pose, drive.start, end))):
         model.place(q, still)
         yield contraction(model.space)

@@ -192,8 +192,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         """The channels, unless the poses are of another branch than the start's."""
         motion, start, poses = super().read(), self._at_start, self.poses
         jacobians = (poses.equations.jacobian(self._q[rows]) for rows in blocks(self._q))
-        branch = np.concatenate([*map(poses.branch, jacobians)])
-        other = branch * start.branch < 0
+        other = np.concatenate([*map(poses.branch, jacobians)]) * start.branch < 0
         if other.any():
             positions = self.positions[: int(other.argmax()) + 1]
             poses.through(start, positions, curved=False)  # it raises where it meets the singular pose

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, pairwise
 from math import ceil
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from scenes.scene import GROUND, ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
 from ..constraints import LinkageConstraints, PoseArray, blocks
-from ..loads import Active, active_presses, applied, instants, stroke_ends
+from ..loads import active_presses, applied, instants, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
@@ -31,8 +30,6 @@ LARGEST_GAP = 0.05
 LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by round-off
 LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 
-PymunkRun: TypeAlias = Integration | TextbookRun
-
 
 class PymunkSimulation:
     """One run for each level from a consistent start; with fictitious masses and fewer sweeps without forces."""
@@ -42,7 +39,7 @@ class PymunkSimulation:
         self._times = self._sampling.times(scene)
         self._stroke_ends: Sequence[float] = []
         if isinstance(settings, TextbookSettings):
-            self._runs: Sequence[PymunkRun] = [TextbookRun(scene, self._sampling, settings)]
+            self._runs: Sequence[Integration | TextbookRun] = [TextbookRun(scene, self._sampling, settings)]
             self._linkage, self._q = begun(scene, own_masses)
         else:
             masses = masses_of(scene, settings, self._sampling)
@@ -78,7 +75,9 @@ class PymunkSimulation:
             if not isinstance(self._scene.drive, ConstantSpeed):
                 motion = with_rates_of_law(self._linkage, self._times, motion)
             self._q, wanted = motion.q, frozenset(self._sampling.wanted(self._scene))
-            self._channels = wanted_channels(self._linkage, wanted, self._times, motion, self._active(motion))
+            at = instants(self._linkage, self._times, motion.q, motion.v)
+            active = np.array(active_presses(self._linkage, at, self._stroke_ends), np.bool_).reshape(-1, len(motion.q))
+            self._channels = wanted_channels(self._linkage, wanted, self._times, motion, active.T)
             if self._scene.drive_on != GROUND:  # that of the runs: it need not be linear in the coordinates
                 position = _richardson([self._linkage.drive_position(run.q) for run in runs])
                 self._channels = {**self._channels, self._scene.drive_channel: position}
@@ -122,12 +121,6 @@ class PymunkSimulation:
         reactions = reaction_channels(self._linkage, motion, applied(self._linkage, at, run.active))
         expected, own = joint_forces(self._linkage, motion, reactions, run.joints), run.impulses / run.steps.size
         return check_impulses(self._linkage, run.positions[:: run.steps.stride], expected, own)
-
-    def _active(self, motion: Motions) -> Active:
-        """Tell for the n samples which press forces act, shape (n, press forces)."""
-        at = instants(self._linkage, self._times, motion.q, motion.v)
-        active = active_presses(self._linkage, at, self._stroke_ends)
-        return np.array(active, dtype=np.bool_).reshape(len(active), len(motion.q)).T
 
 
 def _richardson(values: Sequence[PoseArray]) -> PoseArray:
