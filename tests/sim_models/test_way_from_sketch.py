@@ -127,3 +127,20 @@ def test_the_closed_form_is_believed_across_its_whole_range(tmp_path: Path) -> N
     pytest.importorskip("flint")
     judged = compare.check(LINKAGES["over more than half a turn"].scene(tmp_path), engines=("analytic",), samples=24)
     assert judged.ok, judged.verdicts
+
+
+@pytest.mark.parametrize("engine", ["exudyn", "pymunk", "multiprecision"])
+@pytest.mark.parametrize("beside", [-5e-10, 0, 5e-10])
+@pytest.mark.parametrize("between", [("crank", "rod"), ("rod", "crank")])
+def test_half_a_turn_at_the_start_is_counter_clockwise(engine: str, beside: float, between: tuple[str, str]) -> None:
+    """Whichever side of it rounding leaves, of a crank against its rod, and of the rod against it."""
+    model = registry.engine(engine)
+    massive = {"bodies.crank.mass": 1, "bodies.rod.mass": 1, "drive.start": np.pi + beside}
+    spring = {"at": "A", "between": between, "stiffness": 500.0, "angle": 0.7}
+    wound, bare = (
+        run(model, scene_files.load("slider_crank", massive | springs), request=SAMPLING)
+        for springs in ({"torsion_springs": [spring]}, {})
+    )
+    rate = bare[f"{between[1]}.omega"][0] - bare[f"{between[0]}.omega"][0]
+    torque = wound["drive.torque"][0] - bare["drive.torque"][0]
+    assert torque * 10 == pytest.approx(500 * (np.pi - 0.7) * rate, rel=1e-3)  # their promises
