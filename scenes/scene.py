@@ -37,15 +37,14 @@ from .fields import Gravity, Number, Place, Position, put, walk
 from .fields import Vector as Vector
 
 ELEMENTS = ("loads", "springs", "torsion_springs")  # the lists of what acts on the bodies
-SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "moment": ("N*m", 1.0)}
-SI |= {"angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
+SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 
 
 def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Mapping[str, tuple[str, float]]:
     """The unit of each dimension, and what it is in SI, by those that a file names; a direction has none."""
     (length, m), (mass, kg), (force, newton) = (units[name] for name in ("length", "mass", "force"))
     angle, radian = units["angle"]
-    moment, newton_metre = units.get("moment", (f"{force}*m", newton))  # which reports of before do not have
+    moment, newton_metre = units.get("moment", (f"{force}*m", newton))  # as long as the file names none
     return {
         **units,
         "moment": (moment, newton_metre),

@@ -41,8 +41,6 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
             instead = f"expected a {kind} here, or units.speed as one of {', '.join(sorted(usual))}"
             raise InputError(f"drive.body: {why}; {instead}")
         factors[name] = unit, factor(unit, si, name, f"units.{name}", usual)
-    force, newton = factors["force"]
-    factors["moment"] = f"{force}*m", newton
     if units.moment is not None:
         factors["moment"] = units.moment, factor(units.moment, "N*m", "moment", "units.moment", _TWISTING)
     return factors

@@ -86,7 +86,7 @@ def _of(cause: Cause, one: str, many: str) -> str:
 
 
 def _in_unit(scene: Scene, quantity: str, value: float, digits: int = 3) -> str:
-    unit, size = scene.units[quantity]
+    unit, size = scene.all_units[quantity]
     return f"{plainly(value / size, digits)} {unit}"
 
 
