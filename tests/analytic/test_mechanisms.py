@@ -45,7 +45,7 @@ def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     # off the ends of the cycle: none of them is on the switch of a press force
     time = np.linspace(0.00137, 0.99871, 49) * scene.drive.cycle
     driven = scene.drive.at(time)
-    expected = absolute_coordinates.solve(scene, *driven)
+    expected = absolute_coordinates.solve(scene, *driven, time)
     assert set(expected) == set(channels(scene)) - {"time"}
     return errors(solve(driven.position, time), expected)
 
