@@ -35,15 +35,14 @@ class SymbolicLinkage:
         self.index = {name: number for number, name in enumerate(scene.bodies)}
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
         self.size = size or linkage_size(scene, self.bodies)
-        count = 3 * len(self.index)
-        self.x, self.v, self.a = (SX.sym(name, count) for name in "xva")
+        self.x, self.v, self.a = (SX.sym(name, 3 * len(self.index)) for name in "xva")
         self.units = np.tile([self.size, self.size, 1.0], len(self.index))
         self._q = self.x * self.units
         self.drive_unit = 1.0 if scene.driven_slide is None else self.size
-        sliders = [*scene.slides]
         pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
-        self.row_units = np.array([self.size] * 2 * len(pins) + [self.size, 1.0] * len(sliders) + [self.drive_unit])
-        self.constraints = vertcat(*pins, *map(self._slide, sliders), self.drive_position) / self.row_units
+        guides = [self.size, 1.0] * len(scene.slides)
+        self.row_units = np.array([self.size] * 2 * len(pins) + guides + [self.drive_unit])
+        self.constraints = vertcat(*pins, *map(self._slide, scene.slides), self.drive_position) / self.row_units
 
     def angle(self, body: str) -> Any:
         """Return the angle of a body's x axis, rad."""
@@ -127,11 +126,10 @@ class SymbolicLinkage:
     @cached_property
     def functions(self) -> tuple[Function, Function, Function]:
         """C(x), C_x, and (C_x v)_x v."""
-        rate = jtimes(self.constraints, self.x, self.v)
         return (
             Function("gaps", [self.x], [self.constraints]),
             Function("jacobian", [self.x], [jacobian(self.constraints, self.x)]),
-            Function("bend", [self.x, self.v], [jtimes(rate, self.x, self.v)]),
+            Function("bend", [self.x, self.v], [jtimes(jtimes(self.constraints, self.x, self.v), self.x, self.v)]),
         )
 
     @property

@@ -1,6 +1,6 @@
 """One run: poses at the samples, and the channels there by one compiled function."""
 
-from functools import lru_cache
+from functools import partial
 
 import casadi
 import numpy as np
@@ -11,7 +11,7 @@ from scenes.model.motion import quantity
 
 from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
-from ..coordinates.start import SCENES, Start, begun
+from ..coordinates.start import prepared
 from ..coordinates.system import ClosedPose
 from .linkage import channels
 from .system import SOLVER, CasadiSystem, Compiled
@@ -19,18 +19,12 @@ from .system import SOLVER, CasadiSystem, Compiled
 SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
 
 
-@lru_cache(SCENES)
-def _begun(scene: Scene) -> tuple[CasadiSystem, Start]:
-    system = CasadiSystem(scene)
-    return system, begun(system)
-
-
 class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     """One prepared run, see `scenes.model.engine.Simulation`."""
 
     def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
         """Differentiate and assemble, see `engine.build`."""
-        super().__init__(_begun, scene, settings.steps, request)
+        super().__init__(partial(prepared, CasadiSystem), scene, settings.steps, request)
         self._settings, self._driven = settings, scene.drive.at(self._times)
         self._sampled = self._compiled()
         self._poses: list[ClosedPose] = []

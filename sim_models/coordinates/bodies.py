@@ -93,8 +93,7 @@ def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]
     side = ((B - A).conjugate() * (C - A)).imag
     if side == 0 or (isinstance(squared, float) and not squared > 0):
         why = "do not meet" if side else "are on no side of it: the sketch shows them on one line"
-        raise Failure(
-            Status.cannot_assemble, f"the lengths of '{body.name}' from {base[0]} and {base[1]} to {apex} {why}"
-        )
+        reason = f"the lengths of '{body.name}' from {base[0]} and {base[1]} to {apex} {why}"
+        raise Failure(Status.cannot_assemble, reason)
     along, across = (b**2 + c**2 - a**2) / (2 * c**2), squared**0.5 / (2 * c**2) * (1 if side > 0 else -1)
     return x + along * (u - x) - across * (v - y), y + along * (v - y) + across * (u - x)

@@ -78,17 +78,14 @@ class PathFollower:
             raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
 
     def residuals(self, poses: Sequence[ClosedPose], positions: Samples, promise: float) -> dict[str, float]:
-        """Return the largest gap, and how much rounding may be in accelerations, of those that the drive has.
-
-        A linear system's solution is good to round-off of its largest part, and near a lock that is far larger.
-        """
+        """Return the largest gap, and how much rounding may be in accelerations, of those that the drive has."""
         travel = 1.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
         gaps, parts = np.zeros(len(poses)), np.zeros(len(poses))
         for row, (pose, position) in enumerate(zip(poses, positions.tolist(), strict=True)):
             rate, bend = self.tangent(pose)
             parts[row] = max(np.abs(rate).max() * travel, np.abs(bend).max() * travel**2)
             gaps[row] = np.abs(self.system.gaps(pose.x) - self.goal(position)).max()
-        rounding = ROUNDING * float(parts.max())
+        rounding = ROUNDING * float(parts.max())  # of a linear system's largest part, which is large near a lock
         if not rounding <= promise:
             where = self.scene.where(float(positions[parts.argmax()]))
             reason = f"rounding alone may be {rounding:.1e} of an acceleration at {where}, too close to a lock"

@@ -1,12 +1,14 @@
 """The pose at the drive's start: every body laid on the sketch, the gaps closed, the drive moved to its start."""
 
+from collections.abc import Callable
+from functools import lru_cache
 from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from scenes import Failure, Status
+from scenes import Failure, Scene, Status
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, PressForce
 
@@ -21,6 +23,13 @@ SCENES = 4  # whose equations are kept by an engine: a scene run with several se
 
 # What all runs of a scene begin with: its poses, that at the drive's start, and the ends of press forces' strokes, m.
 Start: TypeAlias = tuple[PathFollower, ClosedPose, Samples]
+
+
+@lru_cache(SCENES)
+def prepared(kind: Callable[[Scene], System], scene: Scene) -> tuple[Any, Start]:
+    """A scene's constraints, of that kind, and its start."""
+    system = kind(scene)
+    return system, begun(system)
 
 
 def begun(system: System) -> Start:

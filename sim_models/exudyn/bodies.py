@@ -38,10 +38,7 @@ def rigid_body(scene: Scene, body: Body) -> ExudynBody:
 
 
 def linkage_size(scene: Scene, bodies: Mapping[str, ExudynBody]) -> float:
-    """Measure a linkage, m: its longest distance from a centre of mass to a point, or between ground points.
-
-    It is at least a driven slider's travel, since all bodies may be points.
-    """
+    """The longest distance of a centre of mass to a point or between ground points, or a driven slider's travel, m."""
     arms = [abs(point) for body in bodies.values() for point in body.points.values()]
     ground = [complex(*point) for point in scene.ground.values()]
     least, most = (0.0, 0.0) if scene.driven_slide is None else scene.drive.extent
@@ -101,9 +98,7 @@ def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
 
 
 def _uniform(mass: float, points: list[complex]) -> tuple[complex, float]:
-    """Find centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36).
-
-    More points are of a kinematic scene, where any inertia will do.
-    """
+    """Find centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36)."""
     squares = sum(abs(p - q) ** 2 for i, p in enumerate(points) for q in points[:i])
-    return sum(points) / len(points), mass * squares / {1: 1, 2: 12}.get(len(points), 36)
+    share = {1: 1, 2: 12}.get(len(points), 36)  # more points are of a kinematic scene, where any inertia will do
+    return sum(points) / len(points), mass * squares / share

@@ -46,10 +46,7 @@ def start(poses: PoseSolver) -> Configuration:
 
 
 def _rough(system: ExudynSystem, position: float) -> Array:
-    """Lay every body on the sketch as well as a rigid body can be, shape (3 bodies,).
-
-    A body without a sketched point has only slides, on which Newton's method finds it from anywhere.
-    """
+    """Lay every body on the sketch as well as a rigid body can be, shape (3 bodies,)."""
     places, sketched, pose = system.scene.drawn, {}, []
     for name, body in system.bodies.items():
         known = [point for point in body.points if point in places]
@@ -57,7 +54,7 @@ def _rough(system: ExudynSystem, position: float) -> Array:
     angles = _angles(system, sketched, position)
     for name, (own, drawn) in sketched.items():
         angle = angles[system.scene.aligned[name]]
-        com = (drawn - np.exp(1j * angle) * own).mean() if len(own) else 0j
+        com = (drawn - np.exp(1j * angle) * own).mean() if len(own) else 0j  # only on slides: found from anywhere
         pose += [com.real, com.imag, angle]
     return np.array(pose)
 
@@ -111,8 +108,6 @@ def _check_freedoms(system: ExudynSystem, q: Array) -> None:
     counts = system.mbs.ComputeSystemDegreeOfFreedom()
     free, redundant = int(counts["degreeOfFreedom"]), int(counts["redundantConstraints"])
     if free or redundant:
-        raise Failure(
-            Status.unsupported,
-            f"with the drive held, Exudyn counts {free} degrees of freedom and {redundant} redundant constraints;"
-            " every reaction is determined with 0 and 0 only",
-        )
+        counted = f"{free} degrees of freedom and {redundant} redundant constraints"
+        reason = f"with the drive held, Exudyn counts {counted}; every reaction is determined with 0 and 0 only"
+        raise Failure(Status.unsupported, reason)

@@ -134,17 +134,13 @@ class Continuation:
         """
         relative = np.abs(self._S @ (inverse @ change))
         parts = (relative[own[:, :, np.newaxis], own[:, np.newaxis, :]] for own in self._groups)
-        radii = (np.abs(np.linalg.eigvals(part)).max() for part in parts)
-        return float(max(radii, default=0.0))
+        return float(max((np.abs(np.linalg.eigvals(part)).max() for part in parts), default=0.0))
 
     def _newton(self, q: arb_mat, goal: arb_mat, turn: float, enough: float) -> arb_mat | None:
-        """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by.
-
-        The residual has all digits, its Jacobian and the corrections those of doubles.
-        """
+        """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
         for _ in range(ITERATIONS):
             self.counters["newton_iterations"] += 1
-            left = _floats(goal - self.rows.value(q))
+            left = _floats(goal - self.rows.value(q))  # by all digits, all that follows by those of doubles
             try:
                 correction = np.linalg.solve(self._C + self._varying(q) @ self._S, left)
             except np.linalg.LinAlgError:

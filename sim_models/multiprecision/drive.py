@@ -60,15 +60,10 @@ class SplineLaw:
         h, (y, z), (M, N) = self._steps[i], self._positions[i : i + 2], self._bends[i : i + 2]
         b = ball(time - self._times[i]) / h
         a = 1 - b
-        return Command(
-            ball(cycles * self._times[-1]),
-            a * y
-            + b * z
-            + ((a**3 - a) * M + (b**3 - b) * N) * h**2 / 6
-            + periods * (self._positions[-1] - self._positions[0]),
-            (z - y) / h + ((1 - 3 * a**2) * M + (3 * b**2 - 1) * N) * h / 6,
-            a * M + b * N,
-        )
+        bend = ((a**3 - a) * M + (b**3 - b) * N) * h**2 / 6
+        position = a * y + b * z + bend + periods * (self._positions[-1] - self._positions[0])
+        rate = (z - y) / h + ((1 - 3 * a**2) * M + (3 * b**2 - 1) * N) * h / 6
+        return Command(ball(cycles * self._times[-1]), position, rate, a * M + b * N)
 
 
 Law: TypeAlias = SteadyLaw | SplineLaw | SegmentsLaw | SinesLaw

@@ -52,16 +52,13 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
 
 
 def _press(linkage: LinkageEquations, load: PressForce, end: float) -> GeneralisedForce:
-    """Return a force that acts where the balls prove both: its power is negative, and its stroke is in the last part.
-
-    On the switch itself nothing is proven, and the force does not act.
-    """
+    """Return a force that acts where the balls prove both: its power is negative, its stroke is in the last part."""
     unit, displacement = _unit_force(linkage, load), linkage.displacement(load.body)
     closing = closing_sign(linkage.scene, load)
 
     def force(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
         Q, left = unit(q), closing * (end - displacement.value(q)[0, 0])
-        acts = (Q.transpose() * velocity)[0, 0] < 0 and left <= load.last
+        acts = (Q.transpose() * velocity)[0, 0] < 0 and left <= load.last  # neither is proven on the switch
         return Q * arb(int(acts))
 
     return force

@@ -33,12 +33,10 @@ class Closures(System):
     def placed(self, bodies: Mapping[str, MovingBody]) -> Samples:
         """Return the coordinates of bodies in these places, shape (n,); joints that close loops stay open."""
         bodies = {name: body._replace(origin=body.place(self.tree.anchors[name])) for name, body in bodies.items()}
-        q = [
-            bodies[joint.child].angle - bodies[joint.parent].angle
-            if joint.turns
-            else self.slid(bodies, joint.name)[0].real
-            for joint in self.tree.joints
-        ]
+        q = list[float]()
+        for joint in self.tree.joints:
+            turned = bodies[joint.child].angle - bodies[joint.parent].angle
+            q.append(turned if joint.turns else self.slid(bodies, joint.name)[0].real)
         return np.asarray(np.array(q) / self.units)
 
     def moved(self, x: Samples, v: Samples | None = None, a: Samples | None = None) -> dict[str, MovingBody]:

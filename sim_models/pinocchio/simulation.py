@@ -1,7 +1,7 @@
 """One run: poses at the samples by one of two routes, and the channels in each of them."""
 
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from scenes.model.motion import Samples
 
 from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
-from ..coordinates.start import SCENES, Start, begun
+from ..coordinates.start import prepared
 from ..coordinates.system import ClosedPose
 from .closures import Closures
 
@@ -18,18 +18,12 @@ LOST = 0.1  # gap over the linkage's size, from where nothing pulls the loops to
 PULL = 5.0  # over the drive's rate of turning, 2 pi a cycle: stable with Heun's method from 16 steps a cycle on
 
 
-@lru_cache(SCENES)
-def _begun(scene: Scene) -> tuple[Closures, Start]:
-    closures = Closures(scene)
-    return closures, begun(closures)
-
-
 class PinocchioSimulation(CoordinateSimulation[Closures]):
     """One prepared run, see `scenes.model.engine.Simulation`."""
 
     def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
         """Span the tree and assemble, see `engine.build`."""
-        super().__init__(_begun, scene, settings.steps, request)
+        super().__init__(partial(prepared, Closures), scene, settings.steps, request)
         self._settings = settings
         self._poses: list[ClosedPose] = []
 

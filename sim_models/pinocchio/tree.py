@@ -118,10 +118,8 @@ def _spanned(linkage: System) -> Iterator[TreeJoint]:
         TreeJoint(pin.channel, pin.first, pin.second, arms[pin.first, pin.point], arms[pin.second, pin.point], 0j)
         for pin in linkage.scene.pins
     ]
-    joints += (
-        TreeJoint(name, guide.carrier, name, guide.through, guide.first, guide.along)
-        for name, guide in linkage.guides.items()
-    )
+    guides = linkage.guides.items()
+    joints += (TreeJoint(name, of.carrier, name, of.through, of.first, of.along) for name, of in guides)
     reached = [GROUND]
     for body in reached:
         for own in joints:

@@ -58,9 +58,8 @@ def _apex(scene: Scene, body: Body, c: str, frame: Mapping[str, complex]) -> com
     A, B, C = (scene.drawn[point] for point in (a, b, c))
     side = np.sign((np.conj(B - A) * (C - A)).imag)
     if side == 0:
-        raise Failure(
-            Status.cannot_assemble, f"the sketch shows {a}, {b}, {c} of '{body.name}' in line, not which way round"
-        )
+        reason = f"the sketch shows {a}, {b}, {c} of '{body.name}' in line, not which way round"
+        raise Failure(Status.cannot_assemble, reason)
     # Sixteen times the squared area by Heron's formula, which stays accurate for a flat triangle.
     heron = (ab + ac + bc) * (ab + ac - bc) * (ab - ac + bc) * (-ab + ac + bc)
     if not (heron > 0 and ab > 0):

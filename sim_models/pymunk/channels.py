@@ -69,10 +69,7 @@ def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
 def wanted_channels(
     linkage: LinkageConstraints, wanted: AbstractSet[str], time: Samples, motion: Motions, active: Active
 ) -> dict[str, Samples]:
-    """The channels wanted, shape (n,), and where there are forces among them, all forces.
-
-    `active`, shape (n, press forces), are those that acted.
-    """
+    """The channels wanted, shape (n,), with a force among them all; `active`, (n, press forces), are those acting."""
     scene = linkage.scene
     samples = {scene.drive_channel: linkage.drive_position(motion.q)}
     for point in scene.moving_points:
@@ -92,10 +89,7 @@ def wanted_channels(
 
 
 def reaction_channels(linkage: LinkageConstraints, motion: Motions, forces: PoseArray) -> dict[str, Samples]:
-    """All force channels, shape (n,) each: J^T lambda = M q'' - F, with the true masses.
-
-    `forces`, shape (n, bodies, 3), are those that act. The driven body counts too.
-    """
+    """All force channels, shape (n,): J^T lambda = M q'' - F, of true masses; `forces`, (n, bodies, 3), are F."""
     q, _, a = motion
     lacking = 0.0 - forces
     for name, member in linkage.members.items():
@@ -113,10 +107,7 @@ def reaction_channels(linkage: LinkageConstraints, motion: Motions, forces: Pose
 def joint_forces(
     linkage: LinkageConstraints, motion: Motions, reactions: Mapping[str, Samples], joints: Iterable[str]
 ) -> Samples:
-    """The sizes of the forces that joints of the engine must have had, shape (n, joints), N.
-
-    They are the reactions, but a pin with ballast carries its inertia and weight too.
-    """
+    """What the engine's joints must bear, (n, joints), N: reactions, and of pins their ballast's inertia and weight."""
     force: dict[str, PlaneVector] = {joint: reactions[joint] for joint in joints if joint in reactions}
     force |= {joint: reactions[f"{joint}.fx"] + 1j * reactions[f"{joint}.fy"] for joint in joints if joint not in force}
     for name, pin in held(linkage.scene).items():

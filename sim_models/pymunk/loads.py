@@ -137,10 +137,7 @@ def applied(linkage: LinkageConstraints, at: Instant, active: Active) -> PoseArr
 
 @lru_cache(SCENES)
 def whole_turns(linkage: LinkageConstraints) -> list[float]:
-    """What each torsion spring's angle has besides that of its bodies' coordinates, rad, by the pose at time zero.
-
-    There it lies within half a turn of zero, but the drive's own is as prescribed.
-    """
+    """What torsion springs' angles, at time zero within half a turn or the drive's, have beyond the pose's, rad."""
     angle, index, springs = with_ground(start(linkage))[0, :, 2], linkage.index, linkage.scene.torsion_springs
     phis = (float(angle[index[spring.second]] - angle[index[spring.first]]) for spring in springs)
     turns = (ceil((phi - HALF_TURN) / tau) for phi in phis)
@@ -185,17 +182,14 @@ class AppliedForces:
 
     def apply(self, time: float, position: float) -> None:
         """Set the forces of the next instant, s, where the drive is at that position, rad or m."""
-        dt = self._dt
-        for body, force, moment in self._constant:
-            body.force = force
+        dt, ground = self._dt, self._linkage.index[GROUND]
+        for body, constant, moment in self._constant:
+            body.force = constant
             if moment:
                 body.torque = (moment * exp(-1j * (body.angle + dt * body.angular_velocity))).imag
-        if self._involved:
-            self._apply_varying(time, position)
-
-    def _apply_varying(self, time: float, position: float) -> None:
-        """Set those of bodies under forces that are not all constant, by rates extrapolated over half a step."""
-        dt, ground = self._dt, self._linkage.index[GROUND]
+        if not self._involved:
+            return
+        # Where they are not all constant, by rates extrapolated over half a step.
         at = Instant(time, position, {ground: 0j}, {ground: 1 + 0j}, {ground: 0.0}, {ground: 0j}, {ground: 0.0})
         for i, body in self._involved:
             velocity, omega = complex(*body.velocity), body.angular_velocity

@@ -32,13 +32,12 @@ LEAST_PUSH = 1e-3  # of the linkage's size: a cylinder's displacement where the 
 CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
 SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
-Posed: TypeAlias = tuple[LinkageConstraints, PoseArray]
 DrivePlace: TypeAlias = tuple[float, PoseArray]  # a position of the drive, rad or m, and the pose there
 Shown: TypeAlias = Mapping[str, ComplexArray]  # by body the arms and places of its points in the sketch, (2, points)
 
 
 @lru_cache(SCENES)
-def begun(scene: Scene, masses: Masses) -> Posed:
+def begun(scene: Scene, masses: Masses) -> tuple[LinkageConstraints, PoseArray]:
     """The linkage with those masses, and its pose at the drive's start, shape (1, bodies, 3); once a scene."""
     linkage = LinkageConstraints(scene, masses)
     return linkage, start(linkage)

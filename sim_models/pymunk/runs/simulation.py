@@ -95,10 +95,7 @@ class PymunkSimulation:
 
     @np.errstate(over="ignore", invalid="ignore")
     def _checked(self, samples: Mapping[str, Samples]) -> dict[str, float]:
-        """Find the largest residual of each check of the runs.
-
-        Where the bodies cannot be put together, pymunk opens joints, flips the linkage, or steps over it.
-        """
+        """Find the largest residual of each check of the runs."""
         linkage, runs = self._linkage, self._runs
         try:
             residuals = [check_path(linkage, run.path, run.positions, self._branch) for run in runs]
@@ -106,7 +103,7 @@ class PymunkSimulation:
             commanded = samples[self._scene.drive_channel]
             _require(self._scene, finite, commanded, Status.nonfinite, "a result is not finite")
             residuals += [self._confirmed(run) for run in runs if isinstance(run, Integration) and run.joints]
-        except Failure as failure:
+        except Failure as failure:  # where bodies cannot be put together, pymunk opens joints, flips, or steps over it
             raise Failure(*(obstacle(self._scene) or (failure.status, failure.reason))) from None
         assembled = assembles(linkage, self._q, self._sampling.commanded(self._scene))
         if not assembled and (found := obstacle(self._scene)):

@@ -125,17 +125,14 @@ class Integration:
         return np.asarray(1.5 * last - 0.5 * before)
 
     def _drive(self, k: int) -> None:
-        """Put the driven body where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}.
-
-        pymunk moves it first, by that same rate; hence it starts from as far behind.
-        """
+        """Put the driven body where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}."""
         here, there = self._driven[k + self.steps.pre_roll : k + self.steps.pre_roll + 2]
         if self._model.drive:
             bodies = self._model.bodies.values()
             present = [(*body.position, body.angle, *body.velocity, body.angular_velocity) for body in bodies]
             aim(self._model.drive, self._linkage, np.array(present), there, self.steps.size)
             return
-        behind, rate = 2 * here - there, (there - here) / self.steps.size
+        behind, rate = 2 * here - there, (there - here) / self.steps.size  # pymunk moves it first, by that rate
         name, slide = self._linkage.scene.drive.body, self._linkage.scene.driven_slide
         body = self._model.bodies[name]
         if slide is None:
