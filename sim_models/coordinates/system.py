@@ -105,11 +105,8 @@ class System:
             on, ((x,), (dx,), (ddx,)) = bodies[carrier], own
             place, velocity, acceleration = on.at(through + along * x - first)
             guide = on.turn * along
-            bodies[name] = on._replace(
-                origin=place,
-                velocity=velocity + guide * dx,
-                acceleration=acceleration + guide * (ddx + 2j * on.omega * dx),
-            )
+            velocity, acceleration = velocity + guide * dx, acceleration + guide * (ddx + 2j * on.omega * dx)
+            bodies[name] = on._replace(origin=place, velocity=velocity, acceleration=acceleration)
         return bodies
 
     def carriers_first(self) -> list[str]:

@@ -116,9 +116,8 @@ def _value(
     if table.over == "displacement" or scene.driven_slide is not None:
         markers = [(system.gauge(load.body if table.over == "displacement" else scene.drive.body), 1)]
     else:
-        markers = [
-            (system.coordinate(body, TURN), sign) for body, sign in ((scene.drive.body, 1), (scene.drive_on, -1))
-        ]
+        turned = (scene.drive.body, 1), (scene.drive_on, -1)
+        markers = [(system.coordinate(body, TURN), sign) for body, sign in turned]
     return lambda mbs, _: float(table.at(sum(sign * mbs.GetMarkerOutput(at, coordinates)[0] for at, sign in markers)))
 
 

@@ -209,6 +209,5 @@ def _interpolated(before: Configuration, after: Configuration, position: Array) 
     def part(x: Array, q: Array, dq: Array, ddq: Array) -> Array:
         return (1 - x) ** 3 * ((1 + 3 * x + 6 * x**2) * q + x * (1 + 3 * x) * dq + x**2 / 2 * ddq)
 
-    return part(x, before.q, h * before.tangent, h**2 * before.curvature) + part(
-        1 - x, after.q, -h * after.tangent, h**2 * after.curvature
-    )
+    begins = part(x, before.q, h * before.tangent, h**2 * before.curvature)
+    return begins + part(1 - x, after.q, -h * after.tangent, h**2 * after.curvature)

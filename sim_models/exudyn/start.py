@@ -84,9 +84,8 @@ def _shown(system: ExudynSystem, sketched: Sketched, group: frozenset[str], posi
     pairs = [(own - own.mean(), drawn - drawn.mean()) for own, drawn in points if len(own) > 1]
     sliders = sorted(group & scene.slides.keys()) if not pairs else ()
     guides = [(scene.slides[name].on, name) for name in sliders]
-    pairs += [
-        _along_guide(system, sketched, *ends, position) for ends in guides if all(len(sketched[n][0]) for n in ends)
-    ]
+    guides = [ends for ends in guides if all(len(sketched[name][0]) for name in ends)]
+    pairs += [_along_guide(system, sketched, *ends, position) for ends in guides]
     return phase(sum(np.vdot(*pair) for pair in pairs)) if pairs else None
 
 

@@ -57,10 +57,7 @@ def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str
 
 
 def weight(body: Body, local: dict[str, PlaneVector]) -> tuple[arb, PlaneVector, arb]:
-    """Return mass, centre of mass and inertia about it; the mass is 1 kg in a kinematic scene.
-
-    A uniform bar's inertia is m l^2/12, a triangle's m (a^2 + b^2 + c^2)/36, and their centre the mean of the corners.
-    """
+    """Return mass, centre of mass and inertia about it; the mass is 1 kg in a kinematic scene."""
     if isinstance(body, DrawnBody):
         around = [(arb(x), arb(y)) for x, y in body.outline]
         if body.width is not None:
@@ -71,6 +68,7 @@ def weight(body: Body, local: dict[str, PlaneVector]) -> tuple[arb, PlaneVector,
         return _of_triangles(around, arb(body.density) * body.thickness)
     mass, corners = arb(1 if body.mass is None else body.mass), [local[point] for point in body.corners]
     x, y = (sum(axis, arb(0)) / len(corners) for axis in zip(*corners, strict=True))
+    # m l^2/12 of a uniform bar, m (a^2 + b^2 + c^2)/36 of a triangle
     squares = sum(((x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in combinations(corners, 2)), arb(0))
     inertia = mass * squares / (12 if len(corners) == 2 else 36) if body.inertia is None else arb(body.inertia)
     return mass, (x, y) if body.com is None else vector(body.com), inertia

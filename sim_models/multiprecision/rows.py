@@ -137,9 +137,8 @@ class EquationRows:
         U, V = self._levers(q)
         sin, cos = _sin_cos(q)
         omega = angles(rate)
-        total = U * _column([c * w * w for c, w in zip(cos, omega, strict=True)]) - V * _column(
-            [s * w * w for s, w in zip(sin, omega, strict=True)]
-        )
+        total = U * _column([c * w * w for c, w in zip(cos, omega, strict=True)])
+        total -= V * _column([s * w * w for s, w in zip(sin, omega, strict=True)])
         for guide in self._guides:
             u, v = _lever(guide.way(rate), guide.direction)
             s, c = sin[guide.carrier], cos[guide.carrier]

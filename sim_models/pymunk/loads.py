@@ -79,9 +79,8 @@ def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np
         elif isinstance(load, Force):
             force = complex(*load.force) * (turn[i] if load.frame == "body" else 1)
         else:
-            force = (
-                _sized(linkage, load, None, at) * complex(*load.direction) * (turn[i] if load.frame == "body" else 1)
-            )
+            force = _sized(linkage, load, None, at) * complex(*load.direction)
+            force = force * turn[i] if load.frame == "body" else force
         yield load.body, force, _moment(r, force)
     for spring in linkage.scene.springs:
         yield from _of_spring(linkage, spring, at)

@@ -89,9 +89,6 @@ class PointwiseSimulation(ExudynSimulation):
             if len(self._samples) > 3:
                 self._samples[3, rows] = self.poses.multipliers(states, rate, acceleration, self.times[rows])
             state = states.rows(-1)
-        self.counters = {
-            "poses": len(self.times),
-            "newton_iterations": self.poses.newton_iterations - before,
-            "acceleration_solves": self.poses.curvatures - curved,
-        }
+        iterations, solves = self.poses.newton_iterations - before, self.poses.curvatures - curved
+        self.counters = {"poses": len(self.times), "newton_iterations": iterations, "acceleration_solves": solves}
         return self._samples

@@ -69,11 +69,8 @@ class TimeSteppedSimulation(ExudynSimulation):
         if isinstance(self.options, TextbookTimeStepping):
             return [Stretch(parts, slice(len(times)), stride, 0.0, self._at_start)]
         begins = np.searchsorted(times, [part.begin - SAME_INSTANT * times[1] for part in parts])
-        spans = [
-            (part, slice(first, end))
-            for part, (first, end) in zip(parts, pairwise([*begins.tolist(), len(times)]), strict=True)
-            if first < end
-        ]
+        ends = pairwise([*begins.tolist(), len(times)])
+        spans = [(part, slice(first, end)) for part, (first, end) in zip(parts, ends, strict=True) if first < end]
         firsts = self.poses.through(self._at_start, self.positions[[rows.start for _, rows in spans]])
         return [self._pre_rolled(firsts.rows(n), part, rows, stride) for n, (part, rows) in enumerate(spans)]
 

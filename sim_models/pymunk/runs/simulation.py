@@ -59,9 +59,8 @@ class PymunkSimulation:
     def counters(self) -> Mapping[str, int]:
         """Steps of all runs, sweeps times constraints in them, and the size of the model."""
         first, *others = (run.counters for run in self._runs)
-        return first | {
-            name: first[name] + sum(run[name] for run in others) for name in ("steps", "constraint_iterations")
-        }
+        added = ("steps", "constraint_iterations")
+        return first | {name: first[name] + sum(run[name] for run in others) for name in added}
 
     def solve(self) -> None:
         """Step through the whole time, once for each level, and find the channels in the limit of the levels."""
