@@ -17,8 +17,7 @@ class MultiprecisionSettings(Settings):
 
     def seconds_for(self, request: Request) -> float:
         """Return how long the solution of a request may take, s of processor time."""
-        cycles = request.turns if isinstance(request, Sampling) else 1
-        return self.seconds * max(cycles, request.count / 100)
+        return self.seconds * max(request.turns if isinstance(request, Sampling) else 1, request.count / 100)
 
 
 FAST = DEFAULT = EXACT = MultiprecisionSettings("50 digits", promise=1e-12)

@@ -105,10 +105,7 @@ def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_ma
 
 
 def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, load: PressForce) -> float:
-    """Return the slider's displacement at the end of its closing stroke, m: at a dead point, or where a run ends.
-
-    `q` is the pose at the drive's start, shape (3 bodies, 1), `load` the force that resists the stroke.
-    """
+    """Return the slider's displacement at the end of its closing stroke, m: at a dead point, or where a run ends."""
     displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
 
     def move(q: arb_mat, cycles: Fraction) -> tuple[arb_mat, bool, float]:
@@ -120,7 +117,7 @@ def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_
         return q, bool(velocity * closing > 0), closing * float(displacement.value(q)[0, 0])
 
     instants = [Fraction(k, INSTANTS) for k in range(INSTANTS + 1)]
-    q, closes, farthest = move(q, instants[0])
+    q, closes, farthest = move(q, instants[0])  # from the pose at the drive's start, shape (3 bodies, 1)
     for early, late in pairwise(instants):
         closed_before = closes
         q, closes, closed = move(q, late)

@@ -51,10 +51,8 @@ Masses: TypeAlias = Callable[[Scene, Mapping[str, PymunkBody]], Inertias]
 
 
 def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
-    """Tell whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses.
-
-    So does a drive between moving bodies, which may have no mass of their own.
-    """
+    """Tell whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses."""
+    # So does a drive between moving bodies, which may have no mass of their own.
     return request.wants_forces(scene) and not settings.fictitious and scene.drive_on == GROUND
 
 

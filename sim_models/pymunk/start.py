@@ -136,11 +136,8 @@ def obstacle(scene: Scene) -> tuple[Status, str] | None:
 
 
 def assembles(linkage: LinkageConstraints, q: PoseArray, positions: Samples) -> bool:
-    """Tell whether n poses are near ones that close all joints, and those nearest the drive's ends near ones there.
-
-    `positions` are the drive's, rad or m, shape (n,).
-    """
-    ends = np.array(linkage.scene.drive.extent)
+    """Tell whether n poses are near ones that close all joints, and those nearest the drive's ends near ones there."""
+    ends = np.array(linkage.scene.drive.extent)  # rad or m, as the positions, shape (n,)
     nearest = np.abs(positions[:, None] - ends).argmin(axis=0)
     q, positions = np.concatenate([q, q[nearest]]), np.concatenate([positions, ends])
     return _newton(linkage, q, positions, np.zeros(3 * q.shape[1])) is not None
