@@ -18,7 +18,7 @@ from tests import scene_files
 from tests.agreement import TOLERANCE, kind
 from tests.comparisons import SLOW
 
-from .formulations import ALL, off, run
+from .formulations import ALL, SAMPLING, off, run
 
 EXACT = ("casadi", "pinocchio")  # without steps of the time, but for their ladders
 ENGINES = (*EXACT, "mujoco")
@@ -48,8 +48,12 @@ def test_every_channel_is_exact(engine: Any, name: str) -> None:
 @pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
 @by_scene
 def test_every_channel_is_within_the_promise(engine: Any, name: str) -> None:
-    for channel, error in off(engine, name).items():
-        assert error <= engine.DEFAULT.promise, channel
+    worst = max(off(engine, name).values())
+    if name == "swinging_segments":  # a step has the mean of an acceleration that jumps in it
+        verdict = checked_run("mujoco", scene_files.load(name), SAMPLING, engine.DEFAULT)
+        assert (worst > engine.DEFAULT.promise, verdict.status) == (True, Status.inconsistent)
+    else:
+        assert worst <= engine.DEFAULT.promise
 
 
 @SLOW
