@@ -37,10 +37,8 @@ CLOSED = 1e-12  # of two lengths: what their sum is off a third one by rounding,
 
 
 def corners(points: Sequence[str], local: Places | None, lengths: Lengths | None) -> tuple[str, ...]:
-    """The points that span a uniform body: all, or of three and more on one line the outermost two.
-
-    By lengths, without places, no more than three points are on one line here.
-    """
+    """The points that span a uniform body: all, or of three and more on one line the outermost two."""
+    # By lengths, without places, no more than three points are on one line here.
     if len(points) < 3 or (local is None and len(points) > 3):
         return tuple(points)
     end = max(points, key=partial(_length, local, lengths, points[0]))

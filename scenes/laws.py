@@ -53,13 +53,11 @@ class Piece(NamedTuple):
 
 
 def _law(*parts: tuple[float, float, float]) -> Sequence[Piece]:
-    """A law whose acceleration is C sin(w t + p) in parts of lengths h, given by (h, w, p), integrated twice.
-
-    But for C, a part has from its first rate v and way s on the rate v + (cos p - cos(w t + p)) / w and the way
-    s + sin p / w^2 + (v + cos p / w) t - sin(w t + p) / w^2, or s + v t + t^2 sin p / 2 where w is zero. C makes the
-    way one in the end: pi^2 / 2 of the harmonic, 2 pi of the cycloidal, 4 pi^2 / (4 + pi) of the modified sine and
-    8 pi / (2 + pi) of the modified trapezoid.
-    """
+    """A law whose acceleration is C sin(w t + p) in parts of lengths h, given by (h, w, p), integrated twice."""
+    # But for C, a part has from its first rate v and way s on the rate v + (cos p - cos(w t + p)) / w and the way
+    # s + sin p / w^2 + (v + cos p / w) t - sin(w t + p) / w^2, or s + v t + t^2 sin p / 2 where w is zero. C makes the
+    # way one in the end: pi^2 / 2 of the harmonic, 2 pi of the cycloidal, 4 pi^2 / (4 + pi) of the modified sine and
+    # 8 pi / (2 + pi) of the modified trapezoid.
     pieces, at, way, rate = list[Piece](), 0.0, 0.0, 0.0
     for h, w, p in parts:
         own = ((way + sin(p) / w**2, rate + cos(p) / w), [(-1 / w**2, w, p)]) if w else ((way, rate, sin(p) / 2),)

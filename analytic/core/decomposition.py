@@ -240,10 +240,8 @@ def _sign(value: Number, why_not: str) -> Number:
 
 
 def _fewest(placed: _Placed, left: list[str]) -> Group:
-    """Return the fewest of the bodies left that hang on what is placed without a freedom of their own.
-
-    By Gruebler's count: three a body, less two for each pin and each slide, and one for a drive. All left has none.
-    """
+    """Return the fewest of the bodies left that hang on what is placed without a freedom of their own."""
+    # By Gruebler's count: three a body, less two for each pin and each slide, and one for a drive. All left has none.
     subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
     groups = (larger_group(placed, bodies) for bodies in subsets)
     group = next(group for group in groups if _held(group) >= 0)

@@ -38,12 +38,10 @@ def cross(a: Vectors | Vector, b: Vectors) -> Samples:
 
 
 def rrr_reach(r1: Number, r2: Number, d: Samples) -> Samples:
-    """Return 16 K^2, K the area of the triangle with sides r1, r2, d; negative where they cannot close.
-
-    Kahan, "Miscalculating area and angles of a needle-like triangle" (2014). He sorts the three sides; here only d
-    varies, so the two factors that cancel, near d = r1 + r2 and near d = |r1 - r2|, are each bracketed as his sorted
-    sides would be at that very pose. Elsewhere nothing cancels and any order will do.
-    """
+    """Return 16 K^2, K the area of the triangle with sides r1, r2, d; negative where they cannot close."""
+    # Kahan, "Miscalculating area and angles of a needle-like triangle" (2014). He sorts the three sides; here only d
+    # varies, so the two factors that cancel, near d = r1 + r2 and near d = |r1 - r2|, are each bracketed as his sorted
+    # sides would be at that very pose. Elsewhere nothing cancels and any order will do.
     long, short = largest(r1, r2), least(r1, r2)
     stretched = short - (d - long)
     near = long <= 2 * short
@@ -85,10 +83,8 @@ def closing(e: Vectors, g1: Vectors, g2: Vectors, det: Samples) -> tuple[Samples
 
 
 def inner_force(Q1: Samples, Q2: Samples, g1: Vectors, g2: Vectors, det: Samples) -> Vectors:
-    """Return the force R of leg 2 on leg 1 at the inner pin, given each leg's generalised force without it.
-
-    Virtual work on either leg's freedom: R . g1 = -Q1 and R . g2 = Q2; R is written in the basis i g1, i g2.
-    """
+    """Return the force R of leg 2 on leg 1 at the inner pin, given each leg's generalised force without it."""
+    # Virtual work on either leg's freedom: R . g1 = -Q1 and R . g2 = Q2; R is written in the basis i g1, i g2.
     return (Q1 / det) * (1j * g2) + (Q2 / det) * (1j * g1)
 
 

@@ -19,11 +19,9 @@ def as_complex(vector: tuple[Number, Number]) -> Vector:
 
 
 def twice_area(a: Number, b: Number, c: Number) -> Number:
-    """Return twice the area of a triangle with sides a, b, c.
-
-    Kahan, "Miscalculating area and angles of a needle-like triangle" (2014): with a >= b >= c and these very
-    parentheses the relative error is a few roundings, however flat the triangle. Zero when the sides cannot close.
-    """
+    """Return twice the area of a triangle with sides a, b, c."""
+    # Kahan, "Miscalculating area and angles of a needle-like triangle" (2014): with a >= b >= c and these very
+    # parentheses the relative error is a few roundings, however flat the triangle. Zero when the sides cannot close.
     a, b, c = largest(a, b, c), largest(least(a, b), least(largest(a, b), c)), least(a, b, c)
     return root((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))) / 2
 

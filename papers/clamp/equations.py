@@ -35,10 +35,8 @@ class Moving(Pose):
 
 
 def moving(scene: Scene, d: Design, loaded: Motion, free: Motion, force: float) -> Moving:
-    """The clamp in a motion, given also as it is with a force, N, against the platen; without the last sample.
-
-    In the last sample it locks, where M_P is infinite.
-    """
+    """The clamp in a motion, given also as it is with a force, N, against the platen; without the last sample."""
+    # In the last sample it locks, where M_P is infinite.
     state = MotionVectors(scene, free)
     place = {point: state.point(point)[0] for point in "ABCDE"}
     x_m, x_o = free["C.x"], free["E.x"]

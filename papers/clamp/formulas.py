@@ -88,10 +88,8 @@ def sine_phi(d: Design, alpha: Any) -> Array:
 
 
 def assembles(d: Design) -> NDArray[np.bool_]:
-    """Whether D and E can be joined over the whole stroke; B and C always can, as L1 < L2 within the bounds.
-
-    sin(phi) is least where AD is upright, which it is within every stroke, and largest at an end.
-    """
+    """Whether D and E can be joined over the whole stroke; B and C always can, as L1 < L2 within the bounds."""
+    # sin(phi) is least where AD is upright, which it is within every stroke, and largest at an end.
     upright = pi / 2 - d.theta - d.gamma
     return np.asarray(np.all([np.abs(sine_phi(d, alpha)) < 1 for alpha in (0.0, upright, d.alpha_max)], axis=0))
 

@@ -46,10 +46,8 @@ def _halves(d: Design, samples: int) -> tuple[Pose, Pose]:
 
 
 def _largest(values: Array) -> Array:
-    """The largest along the first axis, by a parabola through it and its neighbours where it has both.
-
-    Of complex steps: where the largest is does not change its derivative.
-    """
+    """The largest along the first axis, by a parabola through it and its neighbours where it has both."""
+    # Of complex steps: where the largest is does not change its derivative.
     row = values.real.argmax(axis=0)
     middle = np.clip(row, 1, len(values) - 2)
     before, top, after = (np.take_along_axis(values, (middle + step)[None], 0)[0] for step in (-1, 0, 1))

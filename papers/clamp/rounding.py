@@ -86,10 +86,8 @@ def one_for_all(name: str, wanted: Sequence[tuple[Measured, str]]) -> dict[str, 
 
 
 def _least_largest(matrix: Array, level: Array, row: Array, at: float) -> Array:
-    """An x that nearly has the least of max |matrix x + level|, among those with row x + at = 0.
-
-    By least squares whose weights grow where much is left (Lawson 1961).
-    """
+    """An x that nearly has the least of max |matrix x + level|, among those with row x + at = 0."""
+    # By least squares whose weights grow where much is left (Lawson 1961).
     known, free = -at * row / (row @ row), np.linalg.svd(row[None])[2][1:].T
     inside, left = matrix @ free, matrix @ known + level
     weights = np.ones(len(level))

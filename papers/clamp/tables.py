@@ -83,11 +83,9 @@ def _about_force_ratio(name: str) -> str:
 
 
 def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
-    """The rows on a_m's peak-valley, which goes with the square of a speed that is not given.
-
-    One speed has to give both values, and their ratio does not depend on it: the peak-valley that fits this best is
-    taken.
-    """
+    """The rows on a_m's peak-valley, which goes with the square of a speed that is not given."""
+    # One speed has to give both values, and their ratio does not depend on it: the peak-valley that fits this best is
+    # taken.
     printed = {name: TABLE_1["a_m peak-valley"][name] for name in known}
     initial, scheme_4 = map(float, printed.values())
     spans = _spans(PEAK_VALLEY)

@@ -29,11 +29,9 @@ class DiagonalBlock(NamedTuple):
 
 
 def groups(pattern: Pattern) -> list[DiagonalBlock]:
-    """The diagonal blocks of a square matrix in their order; one for all where there is none.
-
-    Every unknown is matched to an equation that has it. It needs the other unknowns of that equation, and those that
-    they need; unknowns that need each other are one block.
-    """
+    """The diagonal blocks of a square matrix in their order; one for all where there is none."""
+    # Every unknown is matched to an equation that has it. It needs the other unknowns of that equation, and those that
+    # they need; unknowns that need each other are one block.
     count = len(pattern)
     equation = _matched(pattern)
     if len(equation) < count:
@@ -82,16 +80,11 @@ def open_joint(
 ) -> tuple[str, float]:
     """The joint that stays open when all others close, and its gap, m: zero where there is not one alone.
 
-    By least squares all joints give way; then the worst of them alone, the last of equals. For messages alone.
-
-    Args:
-        gaps: a model's constraints, m and rad, of coordinates; both of shape (m,).
-        jacobian: their derivative, shape (m, m).
-        q: coordinates to begin from.
-        units: what makes coordinates comparable, shape (m,).
-        joints: by name the rows that are gaps of a joint; all others hold.
-        size: of the linkage, m.
+    `gaps`, m and rad, are a model's constraints, of coordinates, both of shape (m,), and `jacobian` their derivative,
+    shape (m, m). It begins from `q`; `units`, shape (m,), make coordinates comparable. `joints` has by name the rows
+    that are gaps of a joint; all others hold. `size` is of the linkage, m. For messages alone.
     """
+    # By least squares all joints give way; then the worst of them alone, the last of equals.
     from scipy.optimize import least_squares, minimize  # late: only a linkage that fails needs it
 
     is_gap = np.isin(np.arange(len(q)), np.concatenate([*joints.values()]))

@@ -103,11 +103,9 @@ class Track:
         return np.asarray(np.searchsorted(middles, self.position[0] + self._within(position - self.position[0], 0.0)))
 
     def off_parabola(self, before: "Track") -> Samples:
-        """Return how far the parabola through each pose is off the one before, of how far it may be, shape (N,).
-
-        Above one, no position between may be found: a step can leap over a singular configuration, near which a
-        parabola holds for less than a step.
-        """
+        """Return how far the parabola through each pose is off the one before, of how far it may be, shape (N,)."""
+        # Above one, no position between may be found: a step can leap over a singular configuration, near which a
+        # parabola holds for less than a step.
         h, move = (before.position - self.position)[:, None], self.equations.length(self.q - before.q)
         off = self.equations.length(self.q + h * (self.dq + h / 2 * self.ddq) - before.q)
         share: Samples = off / (SMOOTH * move + ROUGHLY * self.equations.size)

@@ -153,11 +153,9 @@ class GroupEquations:
         return jacobian.reshape(*jacobian.shape[:-2], 3 * frames)
 
     def quadratic(self, pose: FramePoses, v: Complex, omega: Samples) -> Samples:
-        """The part of C'' besides J q'' of all frames, closed, shape (..., m).
-
-        A guide's offset w x D turns into Im(conj(w) (D'' - 2 i w' D' - w'^2 D)); closed, D is along w and the last
-        term has no imaginary part. A drive's displacement w . D has the real part of the same.
-        """
+        """The part of C'' besides J q'' of all frames, closed, shape (..., m)."""
+        # A guide's offset w x D turns into Im(conj(w) (D'' - 2 i w' D' - w'^2 D)); closed, D is along w and the last
+        # term has no imaginary part. A drive's displacement w . D has the real part of the same.
         inward = -(omega**2) * pose.u
         pins = _joined(self.R, inward)
         rows = [pins.real, pins.imag]

@@ -37,11 +37,9 @@ def assemble(correction: Correction, q: Samples, size: float | Samples) -> Sampl
 
 
 def refine(correction: Correction, q: Samples, size: float | Samples) -> tuple[Samples, NDArray[np.bool_]]:
-    """The coordinates where the joints close, from near guesses q, shape (..., m), and whether they do.
-
-    Each position is on its own: it is corrected as long as the corrections at least halve, which ends in their
-    roundings, or until the next one, about the square of the last, is sure to be below them.
-    """
+    """The coordinates where the joints close, from near guesses q, shape (..., m), and whether they do."""
+    # Each position is on its own: it is corrected as long as the corrections at least halve, which ends in their
+    # roundings, or until the next one, about the square of the last, is sure to be below them.
     last, apart = np.full(q.shape[:-1], np.inf), np.ones(q.shape[:-1], np.bool_)
     while apart.any():
         move = correction(q)

@@ -146,10 +146,8 @@ def solutions(shape: tuple[int, ...], entries: Sequence[Samples | float]) -> Sam
 
 @contextmanager
 def row_by_row(n: int) -> Iterator[None]:
-    """Have NumPy meet numbers of shape (m, 1) with samples of shape (m, n) without a copy of them for each sample.
-
-    It makes copies where its buffer holds several rows; short rows are better off with them.
-    """
+    """Have NumPy meet numbers of shape (m, 1) with samples of shape (m, n) without a copy of them for each sample."""
+    # It makes copies where its buffer holds several rows; short rows are better off with them.
     before = np.setbufsize(16 * ceil(n / 16) if 100 <= n <= np.getbufsize() else np.getbufsize())
     try:
         yield

@@ -146,10 +146,8 @@ def search(problem: Problem, starts: int) -> Optimum:
 
 
 def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
-    """By how much differential evolution falls short of an optimum, relatively; negative if it is better.
-
-    It starts from nothing and minimises the objective with what is violated added to it (Storn and Price 1997).
-    """
+    """By how much differential evolution falls short of an optimum, relatively; negative if it is better."""
+    # It starts from nothing and minimises the objective with what is violated added to it (Storn and Price 1997).
     evolved = differential_evolution(
         _penalised,
         [(0.0, 1.0)] * 8,
