@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from scenes.elements.tables import Table
+from scenes.elements.tables import LoadCurve
 from scenes.model.motion import channels
 from scenes.scene import GROUND, Force, ForceTable, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
@@ -142,7 +142,7 @@ def _load(model: "Absolute", load: Load, now: Instant) -> Iterator[Wrench]:
         yield Wrench(slide.on, -force, at)
 
 
-def _tabled(model: "Absolute", body: str, table: Table, now: Instant) -> float:
+def _tabled(model: "Absolute", body: str, table: LoadCurve, now: Instant) -> float:
     match table.over:
         case "drive":
             argument = now.position

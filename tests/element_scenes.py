@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from scenes import Scene
 from scenes.bodies import GROUND
-from scenes.elements.tables import COLUMN, Over, Table
+from scenes.elements.tables import COLUMN, LoadCurve, Over
 from scenes.scene import Force, GuideForce, Load, Moment, TableForce, TorsionSpring
 
 from .linkage_scenes import scene_of
@@ -65,7 +65,7 @@ def _loads(scene: Scene) -> list[Callable[[st.DrawFn], Load]]:
     return [turned, tabled, moment, *([along] if sliding else [])]
 
 
-def _table(draw: st.DrawFn, scene: Scene, values: str, *, slides: bool) -> Table:
+def _table(draw: st.DrawFn, scene: Scene, values: str, *, slides: bool) -> LoadCurve:
     """A table over the drive, the time, or of a slider its displacement, periodic or not."""
     kinds: tuple[Over, ...] = ("drive", "time", "displacement") if slides else ("drive", "time")
     over, periodic = draw(st.sampled_from(kinds)), draw(st.booleans())
@@ -74,7 +74,7 @@ def _table(draw: st.DrawFn, scene: Scene, values: str, *, slides: bool) -> Table
     sizes = [draw(numbers(-20, 20)) for _ in arguments]
     if periodic:
         sizes[-1] = sizes[0]
-    return Table(**{COLUMN[over]: arguments, values: tuple(sizes)}, periodic=periodic)
+    return LoadCurve(**{COLUMN[over]: arguments, values: tuple(sizes)}, periodic=periodic)
 
 
 def _torsion_springs(draw: st.DrawFn, scene: Scene) -> Iterator[TorsionSpring]:

@@ -36,8 +36,8 @@ Acting: TypeAlias = Iterator[tuple[str, ActingForce]]  # by body
 
 
 @dataclass(frozen=True)
-class Instants:
-    """What elements are evaluated from."""
+class Loading:
+    """What acts on the bodies from outside, and what that is evaluated from."""
 
     scene: Scene
     linkage: Linkage
@@ -72,27 +72,27 @@ class Instants:
 
 
 @singledispatch
-def acts(element: Any, place: str, at: Instants) -> Acting:
+def acts(element: Any, place: str, at: Loading) -> Acting:
     """Yield what an element, which has a place in the file, does to each body."""
     raise NotImplementedError(type(element), place, at)
 
 
 @acts.register
-def _force(load: Force | TableForce, _: str, at: Instants) -> Acting:
+def _force(load: Force | TableForce, _: str, at: Loading) -> Acting:
     vector = load.force if isinstance(load, Force) else load.direction
     force = samples(as_complex(vector)) if isinstance(load, Force) else as_complex(vector) * at.size(load)
     yield load.body, ActingForce(force if load.frame == "ground" else at.k.u[load.body] * force, at.k.z[load.at])
 
 
 @acts.register
-def _press_force(load: PressForce, place: str, at: Instants) -> Acting:
+def _press_force(load: PressForce, place: str, at: Loading) -> Acting:
     s, ds, _ = at.k.displaced(at.scene, at.scene.bodies[load.body].points[0])
     acting = load.acts(s, ds, at.given[place])
     yield load.body, ActingForce(np.where(acting, as_complex(load.force), 0), at.k.z[load.at])
 
 
 @acts.register
-def _guide_force(load: ForceTable | GuideForce, _: str, at: Instants) -> Acting:
+def _guide_force(load: ForceTable | GuideForce, _: str, at: Loading) -> Acting:
     along, displacement = at.guide(load.body)
     size = load.along(displacement) if isinstance(load, ForceTable) else at.size(load, load.force)
     yield load.body, ActingForce(along * size, at.k.z[load.at])
@@ -100,12 +100,12 @@ def _guide_force(load: ForceTable | GuideForce, _: str, at: Instants) -> Acting:
 
 
 @acts.register
-def _moment(load: Moment, _: str, at: Instants) -> Acting:
+def _moment(load: Moment, _: str, at: Loading) -> Acting:
     yield load.body, ActingForce(samples(0j), at.k.z[load.at], at.size(load, load.moment))
 
 
 @acts.register
-def _spring(spring: Spring, _place: str, at: Instants) -> Acting:
+def _spring(spring: Spring, _place: str, at: Loading) -> Acting:
     z, v, damping = at.k.z, at.k.v, spring.damping
     for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
         if body != GROUND:
@@ -119,7 +119,7 @@ def _spring(spring: Spring, _place: str, at: Instants) -> Acting:
 
 
 @acts.register
-def _torsion_spring(spring: Twist, place: str, at: Instants) -> Acting:
+def _torsion_spring(spring: Twist, place: str, at: Loading) -> Acting:
     if sign := spring.drives(at.scene):
         phi = sign * at.given["position"]
     else:

@@ -15,7 +15,7 @@ from scenes.model.motion import Samples, force_channels
 
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned
 from .dyads import Vectors, cross, dot, inner_force
-from .elements import ActingForce, Instants
+from .elements import ActingForce, Loading
 from .geometry import as_complex
 from .groups.group_equations import Group, coordinates, stacked
 from .groups.newton_group import solved
@@ -32,7 +32,7 @@ class Reactions:
 
 
 @dataclass(frozen=True)
-class Balance(Instants):
+class Balance(Loading):
     """One pass from the last group to the driver."""
 
     reactions: Reactions = field(default_factory=Reactions)

@@ -10,7 +10,7 @@ import numpy as np
 
 from scenes.elements.loads import Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
-from scenes.elements.tables import Table
+from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
@@ -145,7 +145,7 @@ def _size(state: MotionVectors, load: GuideForce | TableForce | Moment, constant
     return load.table.at(state.motion["time" if load.table.over == "time" else state.scene.drive_channel])
 
 
-def table_of(load: Load) -> Table | None:
+def table_of(load: Load) -> LoadCurve | None:
     """The table of a load, if it has one."""
     return None if isinstance(load, Force | PressForce) else load.table
 

@@ -10,7 +10,7 @@ from ..bodies import GROUND, Body
 from ..errors import InputError
 from ..fields import Direction, FileTable, Finite, ForceVector, Known, Length, NewtonMetres, Newtons
 from .loads import Force, ForceTable, Frame, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
-from .tables import COLUMN, Over, Table
+from .tables import COLUMN, LoadCurve, Over
 
 Row = Annotated[tuple[Finite, Finite], Strict(False)]
 KEYS = ("force", "moment", "table")  # of which a load has one
@@ -68,7 +68,9 @@ class LoadTable(FileTable):
             if self.over is None and values == "moments":
                 expected = "expected 'drive', 'time' or 'displacement' with a moment's table"
                 raise InputError(f"{place}.over: missing; {expected}")
-            table = Table(**{COLUMN[self.over or "displacement"]: first, values: second}, periodic=bool(self.periodic))
+            table = LoadCurve(
+                **{COLUMN[self.over or "displacement"]: first, values: second}, periodic=bool(self.periodic)
+            )
             if self.along is not None:
                 return TableForce(self.body, at, self.along, table, frame)
             return GuideForce(self.body, at, None, table) if by_table else Moment(self.body, at, None, table)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..bodies import Slide
 from ..fields import Coordinate, Direction, ForceVector, Length, NewtonMetres, Newtons
-from .tables import Table
+from .tables import LoadCurve
 
 Frame: TypeAlias = Literal["ground", "body"]
 
@@ -77,9 +77,9 @@ class ForceTable:
     kind = "force tables"
 
     @cached_property
-    def table(self) -> Table:
+    def table(self) -> LoadCurve:
         """The forces along the guide against the displacement."""
-        return Table(displacements=self.displacements, forces=self.forces)
+        return LoadCurve(displacements=self.displacements, forces=self.forces)
 
     def along(self, displacement: Any) -> Any:
         """The forces along the guide, N, at displacements of any shape, m."""
@@ -93,7 +93,7 @@ class GuideForce:
     body: str
     at: str
     force: Newtons | None = None  # N, along `along`; or a table
-    table: Table | None = None
+    table: LoadCurve | None = None
     kind = "forces along guides"
 
 
@@ -104,7 +104,7 @@ class TableForce:
     body: str
     at: str
     along: Direction  # of any length
-    table: Table
+    table: LoadCurve
     frame: Frame = "ground"
     kind = "forces by tables"
 
@@ -123,7 +123,7 @@ class Moment:
     body: str
     at: str  # where it is drawn; it turns the body alike wherever it acts
     moment: NewtonMetres | None = None  # N m; or a table
-    table: Table | None = None
+    table: LoadCurve | None = None
     kind = "moments"
 
 

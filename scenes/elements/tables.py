@@ -14,7 +14,7 @@ COLUMN = {"drive": "positions", "time": "times", "displacement": "displacements"
 
 
 @dataclass(frozen=True)
-class Table:
+class LoadCurve:
     """Straight lines between its entries; constant beyond them, or periodic. One argument and one value are given."""
 
     positions: tuple[Position, ...] = field(default=(), metadata={"path": "*.0"})  # of the drive, rad or m, increasing

@@ -8,7 +8,7 @@ from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 from math import pi, remainder
 
-from ..elements.tables import Table
+from ..elements.tables import LoadCurve
 from ..errors import InputError, nearest, path_in_file
 from ..limits import POINTS, TURNS, WAVES
 from ..scene import GROUND, Body, HarmonicLaw, MotionLaw, Scene, SegmentedLaw, Spring, TorsionSpring, Vector
@@ -190,7 +190,7 @@ def _of_elements(scene: Scene) -> Iterator[str]:
             yield f"{place}.between: {element.first[1]} is the same point of both bodies"
 
 
-def _of_table(scene: Scene, place: str, table: Table | None) -> Iterator[str]:
+def _of_table(scene: Scene, place: str, table: LoadCurve | None) -> Iterator[str]:
     """Whether a periodic table comes back to where it began."""
     if table is not None and table.periodic:
         first, *_, last = table.values

@@ -15,7 +15,7 @@ Function: TypeAlias = Callable[[float], float]  # of Exudyn's clock, s
 SAME_JERK = 1e-9  # of the largest in the law: neighbours of one cubic, as at the ends of a not-a-knot spline
 
 
-class Piece(NamedTuple):
+class Cubic(NamedTuple):
     """A drive from one instant to the next piece's: one cubic of the time, s, which is defined before and after too."""
 
     begin: float  # s
@@ -32,13 +32,13 @@ class Piece(NamedTuple):
         return position, self.speed + t * (self.acceleration + t * self.jerk / 2), self.acceleration + t * self.jerk
 
 
-Part: TypeAlias = Piece | laws.Piece
+Part: TypeAlias = Cubic | laws.Piece
 
 
 def pieces(drive: Drive, end: float) -> Sequence[Part]:
     """Cut a drive, from zero to an instant, s, into pieces: a table at the knots where its jerk jumps, or formulas."""
     if isinstance(drive, ConstantSpeed):
-        return [Piece(0.0, drive.start, drive.speed, 0.0, 0.0)]
+        return [Cubic(0.0, drive.start, drive.speed, 0.0, 0.0)]
     cycles = ceil(end / drive.cycle - 1e-9) or 1
     if not isinstance(drive, MotionLaw):
         return drive.through(cycles)
@@ -47,7 +47,7 @@ def pieces(drive: Drive, end: float) -> Sequence[Part]:
     jerk = np.diff(acceleration) / np.diff(knots)
     jumps = np.abs(np.diff(jerk, prepend=np.inf)) > SAME_JERK * np.abs(jerk).max()
     rows = zip(knots[:-1], position[:-1], rate[:-1], acceleration[:-1], jerk, strict=True)
-    return [Piece(*map(float, row)) for row, jump in zip(rows, jumps, strict=True) if jump]
+    return [Cubic(*map(float, row)) for row, jump in zip(rows, jumps, strict=True) if jump]
 
 
 class ExudynDrive:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, Motion, Scene
-from scenes.elements.tables import Table
+from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, MotionLaw, PressForce, SegmentedLaw
 
@@ -57,7 +57,7 @@ def needed(scene: Scene) -> Iterator[str]:
         yield from (f"{body.name}.angle" for body in pair if body.name in scene.turning)
 
 
-def _tables(scene: Scene) -> list[tuple[str, Table]]:
+def _tables(scene: Scene) -> list[tuple[str, LoadCurve]]:
     """The tables of loads, each with its body."""
     return [(load.body, table) for load in scene.loads if (table := table_of(load)) is not None]
 

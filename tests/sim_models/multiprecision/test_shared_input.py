@@ -14,7 +14,7 @@ from compare.judge.floor import establish
 from scenes import Sampling, Scene
 from scenes.elements.loads import ForceTable, PressForce, TableForce
 from scenes.elements.springs import TorsionSpring
-from scenes.elements.tables import Table
+from scenes.elements.tables import LoadCurve
 from scenes.laws import LAWS
 from scenes.scene import ConstantSpeed, HarmonicLaw, MotionLaw, SegmentedLaw
 from tests import agreement, scene_files
@@ -124,8 +124,8 @@ SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
     *((kind, of, "at", wrong) for kind, of in BY_FORMULA.items() for wrong in (faster, late)),
     *((kind, of, "after", lambda right, law, cycles: right(law, cycles) + 1e-6) for kind, of in BY_FORMULA.items()),
     ("table", ForceTable, "along", held),
-    ("tables", Table, "at", lambda right, table, x: right(table, x) * (1 + 1e-6)),
-    ("tables", Table, "within", lambda _right, _table, x: x),
+    ("tables", LoadCurve, "at", lambda right, table, x: right(table, x) * (1 + 1e-6)),
+    ("tables", LoadCurve, "within", lambda _right, _table, x: x),
     ("tables", TableForce, "direction", lambda _right, load: load.along),
     ("torsion springs", TorsionSpring, "moment", lambda right, spring, phi, _rate: right(spring, phi, 0)),
     ("torsion springs", TorsionSpring, "drives", lambda _right, _spring, _scene: 0),
