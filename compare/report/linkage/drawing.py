@@ -45,10 +45,8 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
         if all(component in motion for component in components):
             name = f"{pin.channel}: {pin.first} on {pin.second}"
             yield Arrow(name, pin.point, motion[components[0]] + 1j * motion[components[1]], components)
-    for body in scene.bodies.values():
-        if body.slide is None:
-            continue
-        along = np.exp(1j * state.angle(body.slide.on)) * complex(*body.slide.along)
+    for body in (scene.bodies[name] for name in scene.slides):
+        along = state.along(body)
         pushes = [(f"{body.name}.guide_force", 1j * along, f"guide on {body.name}")]
         if body.name == scene.drive.body:
             pushes.append(("drive.force", along, f"drive on {body.name}"))
@@ -89,10 +87,9 @@ class Drawing:
         """Yield points, slots, sketch and arrows, but for the tips of the longest peaks."""
         yield from self.places.values()
         yield np.array([complex(*place) for place in self.scene.sketch.points.values()], np.complex128)
-        for body in self.scene.bodies.values():
-            if body.slide is not None:
-                origin, x_axis = self.state.frame(body.slide.on)
-                yield from (origin + x_axis * end for end in self.way(body))
+        for name, slide in self.scene.slides.items():
+            origin, x_axis = self.state.frame(slide.on)
+            yield from (origin + x_axis * end for end in self.way(name))
         for arrow in self.arrows:
             size = np.maximum(np.abs(arrow.force), peak or 1.0)
             way = arrow.force * (per_newton * peak / size).astype(np.complex128)
@@ -100,8 +97,7 @@ class Drawing:
 
     def units(self, places: Vectors) -> Vectors:
         """Places, m, in the picture's units, x to the right and i times y downwards."""
-        shown: Vectors = self.per_metre * (places - self.corner).conj()
-        return shown
+        return np.asarray(self.per_metre * (places - self.corner).conj())
 
     def own(self, body: Body) -> dict[str, complex]:
         """A body's points in its own frame from the first, in the picture's units."""
@@ -109,17 +105,15 @@ class Drawing:
         turn = self.per_metre * np.exp(1j * self.state.angle(body.name)[0])
         return {point: complex(turn * (self.places[point][0] - first).conjugate()) for point in body.points}
 
-    def way(self, slider: Body) -> Vectors:
+    def way(self, name: str) -> Vectors:
         """Both ends of a slider's way in the frame of its carrier, or of the ground, m; of a rod its cylinder."""
-        assert slider.slide is not None
-        along = self.state.on_guide(slider).real
-        ends = np.array([0.0, BARREL * along.min()] if self.rod(slider) else [along.min(), along.max()])
-        return complex(*slider.slide.through) + ends * complex(*slider.slide.along)
+        slide, along = self.scene.slides[name], self.state.on_guide(self.scene.bodies[name]).real
+        ends = np.array([0.0, BARREL * along.min()] if self.rod(name) else [along.min(), along.max()])
+        return complex(*slide.through) + ends * complex(*slide.along)
 
-    def rod(self, slider: Body) -> float:
+    def rod(self, name: str) -> float:
         """How far a rod goes into its cylinder, each with one pin, m; of other sliders nothing."""
-        assert slider.slide is not None
-        carrier = self.scene.bodies.get(slider.slide.on)
+        slider, carrier = self.scene.bodies[name], self.scene.bodies.get(self.scene.slides[name].on)
         if carrier is None or len(carrier.points) > 1 or len(slider.points) > 1:
             return 0.0
         along = self.state.on_guide(slider).real

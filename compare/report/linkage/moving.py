@@ -28,15 +28,14 @@ NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
-EFFORT = ("channel", "factor", "unit")  # what is known of the drive's
 
 
 class MovingPicture:
     """The picture of a study, and its data: the reference's motion, and those of the engines that have all samples."""
 
     def __init__(self, study: Study, panels: Sequence[Panel]) -> None:
-        scene, named = study.scene, units(study.reference)
-        self.study, self.panels, self.drawing, self._newton = study, panels, Drawing(scene, study.motion), named["N"]
+        scene = study.scene
+        self.study, self.panels, self.drawing = study, panels, Drawing(scene, study.motion)
         self.svg = tostring(picture(self.drawing)[0], encoding="unicode")
         self.engines = {
             m.run.engine: (m.comparison, m.run.motion)
@@ -44,14 +43,11 @@ class MovingPicture:
             if m.run.engine != REFERENCE and not m.foreign and m.run.motion is not None and m.comparison is not None
         }
         self.names = [REFERENCE, *self.engines]  # as they are numbered in the data
-        effort = [channel for channel in ("drive.torque", "drive.force") if channel in study.motion]  # one, or none
-        drives = (dict(zip(EFFORT, (c, *named[UNITS[quantity(c)]]), strict=True)) for c in effort)
-        self._effort = next(drives, None)
+        self._effort = [c for c in ("drive.torque", "drive.force") if c in study.motion]  # one, or none
         self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]
         plotted = [channel for panel in panels for curve in panel.curves for channel in curve.factors]
         forces = [component for arrow in self.drawing.arrows for component in arrow.components]
-        # what is packed of every engine
-        self._compared = [*dict.fromkeys([*self._places, *plotted, *effort, *forces])]
+        self._compared = [*dict.fromkeys([*self._places, *plotted, *self._effort, *forces])]  # of every engine
         alone = dict.fromkeys(("time", axis(scene).channel, *(f"{body}.angle" for body in scene.turning)))
         self._channels = [*self._compared, *alone]
 
@@ -94,10 +90,12 @@ class MovingPicture:
         return samples
 
     def _header(self) -> dict[str, Any]:
-        scene, drawing, over = self.study.scene, self.drawing, axis(self.study.scene)
+        scene, drawing = self.study.scene, self.drawing
+        over, named = axis(scene), units(self.study.reference)
         first = {body.name: body.points[0] for body in scene.bodies.values()}
         numbers = {m.run.engine: number for number, m in enumerate(self.study.measurements)}  # reference: not always
         kept = ("name", "point", "load", "components")
+        efforts = ((channel, named[UNITS[quantity(channel)]]) for channel in self._effort)
         return {
             "title": scene.title,
             "axis": asdict(over) | {"title": over.title},
@@ -109,11 +107,11 @@ class MovingPicture:
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
             "perNewton": drawing.per_newton,
-            "newton": self._newton,
+            "newton": named["N"],
             "corner": [drawing.corner.real, drawing.corner.imag],
             "ground": dict(scene.ground),
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
-            "effort": self._effort,
+            "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
             "outlines": outlines(drawing),
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
@@ -133,11 +131,8 @@ class MovingPicture:
 
 
 def _packed(header: dict[str, Any], reference: NDArray[np.float64], others: Sequence[NDArray[np.float64]]) -> str:
-    """A text that a script unpacks, gzip in base64: a line of JSON, then numbers of four bytes, row by row.
-
-    First bytes come first, then the second ones, and so on, which halves what gzip leaves. The reference, finite and of
-    shape (channels, n), is kept as second differences of whole numbers, `quanta` being what they count by row.
-    """
+    """A text that a script unpacks, gzip in base64: a line of JSON, then the bytes of 4-byte numbers, row by row."""
+    # The reference, finite, shape (channels, n), is kept as second differences of whole numbers, counted in `quanta`.
     quanta = np.maximum(np.abs(reference).max(axis=1), 1e-300) / WHOLE
     whole = np.round(reference / quanta[:, np.newaxis]).astype("<i4")
     second = np.diff(whole, 2, axis=1, prepend=np.zeros((len(whole), 2), "<i4"))
@@ -145,4 +140,4 @@ def _packed(header: dict[str, Any], reference: NDArray[np.float64], others: Sequ
         tables = [second, *(other.astype("<f4") for other in others)]
     words = np.concatenate([np.ascontiguousarray(table).view(np.uint8).reshape(-1, 4) for table in tables])
     line = json.dumps(header | {"quanta": quanta.tolist()}, separators=(",", ":")).encode()
-    return packed(line + b"\n" + words.T.tobytes())
+    return packed(line + b"\n" + words.T.tobytes())  # all first bytes, then the second ones: gzip leaves half of it

@@ -68,8 +68,7 @@ def by_itself(drawing: Drawing, frames: int) -> str:
         poses = [f"{at:.4g}%{{transform:{mover.transform(n, css=True)}}}" for at, n in zip(shares, rows, strict=True)]
         style.append(f"@keyframes {name} {{ {' '.join(poses)} }}")
     root[0].text = "\n".join(style)
-    for side, length in zip(("width", "height"), drawing.size, strict=True):
-        root.set(side, f"{length / PX:.0f}")
+    root.attrib |= {side: f"{length / PX:.0f}" for side, length in zip(("width", "height"), drawing.size, strict=True)}
     return tostring(root, encoding="unicode")
 
 
@@ -114,13 +113,12 @@ def background(root: Element, drawing: Drawing) -> None:
     for point in scene.moving_points:
         path = drawing.units(drawing.places[point])
         _line(root, "path", path[extremes(path.real, path.imag, PATH)])
-    for body in scene.bodies.values():
-        if body.slide is not None and body.slide.on == GROUND:
-            _guide(root, drawing.units(drawing.way(body)))
+    for name, slide in scene.slides.items():
+        if slide.on == GROUND:
+            _guide(root, drawing.units(drawing.way(name)))
     ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
-    drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
     for points in outlines(drawing):
-        shown = np.array([drawn[point] for point in points if point in drawn], np.complex128)
+        shown = np.array([scene.drawn[point] for point in points if point in scene.drawn], np.complex128)
         _line(ghost, "sketch", drawing.units(shown))
 
 
@@ -138,12 +136,12 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
         SubElement(group, "title").text = body.name
         own = drawing.own(body)
         outline = np.array([own[point] for point in _around(drawing, body)])
-        for slider in scene.bodies.values():
-            if slider.slide is not None and slider.slide.on == body.name:
+        for slider, slide in scene.slides.items():
+            if slide.on == body.name:
                 _slot(group, drawing.per_metre * (drawing.way(slider) - first_point(body)).conj(), outline)
         if len(body.points) > 1:
             _line(group, "bar" if len(body.points) == 2 else "plate", outline)
-        if body.slide is not None and (rod := drawing.rod(body)):
+        if body.slide is not None and (rod := drawing.rod(body.name)):
             _line(group, "bar", np.array([0j, -drawing.per_metre * rod * complex(*body.slide.along).conjugate()]))
         elif body.slide is not None:
             turn = {"transform": f"rotate({-degrees(atan2(*body.slide.along[::-1])):.3f})"}
@@ -246,11 +244,11 @@ def _along(root: Element, ends: Vectors) -> tuple[Element, float]:
 def _guide(root: Element, ends: Vectors) -> None:
     """Draw a guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
     group, length = _along(root, ends)
-    start, end, step, lines = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, HATCH * PX, ""
+    start, end, aside = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, 0.7 * HATCH * PX
     _path(group, "across guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
-    for x in np.arange(start, end, step):
-        lines += f"M{x:.1f} {GUIDE}l{-0.7 * step:.1f} 7M{x:.1f} {-GUIDE}l{0.7 * step:.1f} -7"
-    _path(group, "across hatch", lines)
+    places = np.arange(start, end, HATCH * PX)
+    hatch = (f"M{x:.1f} {GUIDE}l{-aside:.1f} 7M{x:.1f} {-GUIDE}l{aside:.1f} -7" for x in places)
+    _path(group, "across hatch", "".join(hatch))
 
 
 def _slot(group: Element, ends: Vectors, outline: Vectors) -> None:
@@ -269,8 +267,7 @@ def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
     """The points of a bar that are nearest to some places."""
     way = end - start
     share = np.clip(((places - start) * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
-    nearest: Vectors = start + share * way
-    return nearest
+    return np.asarray(start + share * way)
 
 
 def _line(parent: Element, kind: str, corners: Vectors) -> None:

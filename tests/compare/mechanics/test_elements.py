@@ -135,8 +135,8 @@ def test_all_kinds_are_drawn() -> None:
     drawing = Drawing(scene, solved(scene))
     assert [arrow.name for arrow in drawing.arrows if arrow.load] == ["load on coupler"]
     plain = by_itself(Drawing(scene_files.load("carried_block"), solved(scene)), 0)
-    assert drawing.rod(scene.bodies["block"]) == 0.0
+    assert drawing.rod("block") == 0.0
     cylinder = scene_files.load("bucket")
-    assert Drawing(cylinder, solved(cylinder)).rod(cylinder.bodies["rod"]) == pytest.approx(0.76 - 0.56 / 2)
+    assert Drawing(cylinder, solved(cylinder)).rod("rod") == pytest.approx(0.76 - 0.56 / 2)
     more = by_itself(drawing, 0).count("<path") - plain.count("<path")
     assert more == 3 + 2  # three signs, and an arrow's shaft and head
