@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from scenes import Motion, Sampling, Scene, Settings
 
@@ -34,6 +34,12 @@ class Study(Judgement):
     speed: Sequence[SpeedRow]  # one a setting
     maps: "DataFrame | None" = None  # of stability, one row a cell
     hard: "DataFrame | None" = None  # one row an attempt at a hard case
+
+    @classmethod
+    def of(cls, judged: Judgement, speed: Sequence[SpeedRow] = ()) -> Self:
+        """A judgement with the reference's motion, and what was measured of settings."""
+        motion = judged.reference.at(judged.sampling.commanded(judged.scene), judged.sampling.times(judged.scene))
+        return cls(**{field.name: getattr(judged, field.name) for field in fields(judged)}, motion=motion, speed=speed)
 
     @cached_property
     def cheapest(self) -> list[work_precision.Choice]:
@@ -100,8 +106,7 @@ def study(
         judged = first or judged_by(speed)
     names = [*engines, *(result.run.engine for result in results)]
     judged.reasons.extend(_left_out(names, judged.measurements, able, speed, budget))
-    motion = reference.at(sampling.commanded(scene), sampling.times(scene))
-    return Study(**{field.name: getattr(judged, field.name) for field in fields(judged)}, motion=motion, speed=speed)
+    return Study.of(judged, speed)
 
 
 def _prepared(scene: Scene, engines: Sequence[str]) -> list[str]:

@@ -24,10 +24,7 @@ if TYPE_CHECKING:
 
 
 def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
-    """Write one scene's report, and return whether it misses a tolerance.
-
-    Where the user stops, what was done till then is written, if there is a reference to report on.
-    """
+    """Write one scene's report, and return whether it misses a tolerance."""
     from ..engines.processes.stopping import Stopped, stoppable
     from ..measure.speed.timing import Budget
     from ..report.output import files as output

@@ -1,7 +1,6 @@
 """What the functions of `compare` return: results that a notebook shows as table and picture, and plots of them."""
 
 from collections.abc import Iterable
-from dataclasses import fields
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,6 @@ from scenes.errors import nearest
 from scenes.model.motion import UNITS, quantity, sparkline
 from scenes.scene import SI
 
-from ..judge.agreement import Judgement
 from ..judge.errors import ChannelError
 from ..measure.many.family import Family
 from ..mechanics.axis import prefixed
@@ -30,14 +28,6 @@ COLUMNS = ("what a designer asks", "value", "where", "engines differ by")
 
 class CheckResult(Study):
     """One scene judged."""
-
-    @classmethod
-    def of(cls, judged: Judgement) -> "CheckResult":
-        """A judgement with the reference's motion, and no times."""
-        scene, sampling = judged.scene, judged.sampling
-        motion = judged.reference.at(sampling.commanded(scene), sampling.times(scene))
-        known = {field.name: getattr(judged, field.name) for field in fields(judged)}
-        return cls(**known, motion=motion, speed=())
 
     @property
     def errors(self) -> pd.DataFrame:

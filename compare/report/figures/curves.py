@@ -40,8 +40,7 @@ class PlottedCurve:
     def of(self, motion: Motion) -> Samples:
         """The values to plot, shape (n,)."""
         parts = [factor * motion[channel] for channel, factor in self.factors.items()]
-        values: Samples = np.linalg.norm(parts, axis=0) if self.magnitude else np.sum(parts, axis=0)
-        return values
+        return np.asarray(np.linalg.norm(parts, axis=0) if self.magnitude else np.sum(parts, axis=0))
 
 
 @dataclass(frozen=True)

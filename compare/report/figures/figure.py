@@ -38,10 +38,7 @@ class Figure:
     def __init__(
         self, heights: Sequence[float], columns: int, titles: Sequence[str], gaps: tuple[float, float]
     ) -> None:
-        """Begin with empty panels: rows by relative heights, columns of one width, titles of the first of them.
-
-        The gaps are those between columns and between rows, of the whole.
-        """
+        """Begin with empty panels: relative heights of rows, titles of the first panels, gaps of columns and rows."""
         self.traces: list[dict[str, Any]] = []
         self.layout: dict[str, Any] = {}
         wide, high = _shares([1.0] * columns, gaps[0]), _shares(heights[::-1], gaps[1])[::-1]  # from below
@@ -63,17 +60,15 @@ class Figure:
 
     def _update(self, letter: str, *more: Attributes, panel: int | Iterable[int] | None = None, **own: Any) -> Self:
         """Set attributes of an axis of a panel, of some panels, or of all of them."""
-        for number in [panel] if isinstance(panel, int) else panel or self._panels:
-            for attributes in (*more, own):
-                _merge(self.layout[f"{letter}axis{_name(number)}"], attributes)
+        for number in self._panels if panel is None else [panel] if isinstance(panel, int) else panel:
+            _merge(self.layout[f"{letter}axis{_name(number)}"], *more, own)
         return self
 
     update_xaxes, update_yaxes = partialmethod(_update, "x"), partialmethod(_update, "y")
 
     def update_layout(self, *more: Attributes, **own: Any) -> Self:
         """Set attributes of the layout."""
-        for attributes in (*more, own):
-            _merge(self.layout, attributes)
+        _merge(self.layout, *more, own)
         return self
 
     def json(self, most: int = CURVE) -> str:
@@ -84,16 +79,14 @@ class Figure:
 def stacked(*heights: float) -> Figure:
     """Empty panels one above the other over one axis, by their relative heights; a single one by default."""
     figure, last = Figure(heights or [1.0], 1, (), (0.0, 0.06)), len(heights) or 1
-    for panel in range(1, last):
-        figure.update_xaxes(matches=f"x{last}", showticklabels=False, panel=panel)
+    figure.update_xaxes(matches=f"x{last}", showticklabels=False, panel=range(1, last))
     return figure
 
 
 def side_by_side(titles: Sequence[str]) -> Figure:
     """An empty panel a title, all in one row with one vertical axis."""
     figure = Figure([1.0], len(titles), titles, (0.03, 0.0))
-    for panel in range(2, len(titles) + 1):
-        figure.update_yaxes(matches="y", showticklabels=False, panel=panel)
+    figure.update_yaxes(matches="y", showticklabels=False, panel=range(2, len(titles) + 1))
     return figure
 
 
@@ -130,9 +123,9 @@ def _shares(parts: Sequence[float], gap: float) -> list[tuple[float, float]]:
     return [(end - scale * part, end) for part, end in zip(parts, ends, strict=True)]
 
 
-def _merge(into: dict[str, Any], attributes: Attributes) -> None:
+def _merge(into: dict[str, Any], *more: Attributes) -> None:
     """Set attributes, of parts attribute by attribute; of a title its text alone may be given."""
-    for name, value in attributes.items():
+    for name, value in (item for attributes in more for item in attributes.items()):
         if isinstance(value, Mapping):
             _merge(into.setdefault(name, {}), value)
         else:

@@ -33,7 +33,6 @@ SCALE = {
     "colorscale": "Viridis",
     "colorbar": {"title": "error", "tickvals": [*range(-6, 1)], "ticktext": [f"1e{n}" for n in range(-6, 1)]},
 }
-
 GREYED = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
 
 
@@ -51,9 +50,8 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
         figure.update_xaxes(showgrid=False, zeroline=False)
         figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False)
         figure.update_yaxes(title="steps per cycle", panel=figure.left)
-        key = [
-            f" · {letter}: {status.name}" for status, letter in LETTERS.items() if status.name in set(cells["status"])
-        ]
+        ended = {*cells["status"]}
+        key = [f" · {letter}: {status.name}" for status, letter in LETTERS.items() if status.name in ended]
         figure.note(f"Largest relative error{''.join(key)}", x=0, y=0, yshift=-82, xref="paper", yref="paper")
         figure.update_layout(layout(190 + 42 * len(steps), titled=True))
         yield title, figure.update_layout({"coloraxis": SCALE, "margin": {"b": 100}})

@@ -75,9 +75,8 @@ def histograms(study: MonteCarlo) -> Figure:
             normal = np.exp(-(off**2) / 2) / (sqrt(2 * pi) * s.linear * factor)
             at = factor * (s.nominal + off * s.linear)
             draw(figure, "linear model, if normal", at, normal, number, line={"color": colour(1), "dash": "dash"})
-        high = [0.0, float(density.max())]
-        drawn = {"color": DARK_GREY, "dash": "dot"}
-        draw(figure, "as drawn", [factor * s.nominal] * 2, high, number, line=drawn)
+        high, line = [0.0, float(density.max())], {"color": DARK_GREY, "dash": "dot"}
+        draw(figure, "as drawn", [factor * s.nominal] * 2, high, number, line=line)
         figure.update_xaxes(title=f"[{unit}]", nticks=4, panel=number)
         figure.update_yaxes(showticklabels=False, panel=number)
     return figure.update_layout(layout(60 + 260 * ceil(len(shown) / COLUMNS), titled=True))

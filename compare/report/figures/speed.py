@@ -28,14 +28,10 @@ def work_precision(study: Study) -> Figure:
     names = groups(study.speed)
     figure, rms = _panels(study, names)
     error_axes(figure, f"ms per {cycle_name(study.scene)}").update_xaxes(dtick=1).update_yaxes(dtick=2)
-    choices = [
-        {
-            "label": label,
-            "method": "restyle",
-            "args": [{axis: [[*trace[axis]] for trace in of.traces] for axis in "xy"}],
-        }
-        for label, of in (("largest error", figure), ("RMS error", rms))
-    ]  # buttons that put a figure's numbers into the traces of the one that is shown
+    choices = []  # buttons that put a figure's numbers into the traces of the one that is shown
+    for label, of in (("largest error", figure), ("RMS error", rms)):
+        numbers = {axis: [[*trace[axis]] for trace in of.traces] for axis in "xy"}
+        choices.append({"label": label, "method": "restyle", "args": [numbers]})
     place = {"x": 1, "xanchor": "right", "y": 1.01, "yanchor": "bottom", "pad": {"b": 25}}
     menu = {"type": "buttons", "direction": "right", "buttons": choices} | place
     arranged = layout(150 + 390 * -(-len(names) // COLUMNS), titled=True)
@@ -43,10 +39,7 @@ def work_precision(study: Study) -> Figure:
 
 
 def _panels(study: Study, names: Sequence[str]) -> Iterator[Figure]:
-    """Draw the floor, the Pareto fronts, the families' lines and the settings of every group, from back to front.
-
-    First with the largest errors, then with the RMS errors.
-    """
+    """Yield the figure of the largest errors, then that of the RMS errors, each drawn from back to front."""
     speed, points, floors = study.speed, solved(study.speed), group_floors(study.reference)
     engines = {m.run.engine: number for number, m in enumerate(study.measurements)}
     lines = {engine: [*families([p for p in points if p.engine == engine], "steps")] for engine in engines}
@@ -63,10 +56,8 @@ def _panels(study: Study, names: Sequence[str]) -> Iterator[Figure]:
             for name, rows, shade in fronts:
                 line = {"color": shade, "width": 7, "shape": "hv"}
                 draw(figure, name, *_front(rows, error), panel, line=line, opacity=0.35, hoverinfo="skip")
-            for engine, number in engines.items():
-                x, y = (
-                    [v for rows in lines[engine] for v in (*_values(rows, of), np.nan)] for of in ("", error)
-                )  # gaps
+            for engine, number in engines.items():  # with gaps between the lines
+                x, y = ([v for rows in lines[engine] for v in (*_values(rows, of), np.nan)] for of in ("", error))
                 draw(figure, "", x, y, panel, line={"color": colour(number), "width": 0.8}, opacity=0.5)
             for engine, note, rows, hover in settings:
                 mark = marker(engines[engine], NOTED[notes.index(note) % len(NOTED)] if note else "", 9)

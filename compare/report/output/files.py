@@ -89,11 +89,7 @@ def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
 def _result(
     of: Any, folder: Path, own: Sequence[str], known: Mapping[str, Any], page: Callable[[Any], str], *, complete: bool
 ) -> Iterator[tuple[Path, Path]]:
-    """Yield a folder to write a result's tables into, and its place; then it gets its summary and its page.
-
-    The place is another one where a partial result meets a complete one. `own` is what its files match: the page, the
-    summary, which has whether the result is complete, and the tables.
-    """
+    """Yield a folder for a result's tables, and its place; then it gets page and summary, which `own` begins with."""
     place, partial = folder / of.scene.name, folder / f"{of.scene.name}{PARTIAL}"
     if not complete and _may_be_complete(place, own):
         place = partial
@@ -129,10 +125,7 @@ def origin(scene: Scene, place: Path) -> str:
 
 
 def check_origin(scene: Scene, place: Path) -> None:
-    """Raise an InputError where a folder has the result of another scene file that is still there.
-
-    No file of the same name takes its place without a word.
-    """
+    """Raise an InputError where a folder has the result of another scene file that is still there."""
     own = shipped().get(scene.file, Path(scene.file)).resolve()
     for _, summary, *_ in (REPORT, FAMILY, MONTE_CARLO):
         with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):  # of an unknown origin

@@ -173,34 +173,29 @@ def _exchanged(one: Path, other: Path) -> bool:
 
 @contextmanager
 def _locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
-    """Have the lock of a folder, which goes with the process that holds it; yield whether it is ours."""
-    lock = _lock(folder, wait=wait)
-    try:
-        yield lock is not None
-    finally:
-        if lock is not None:
-            os.close(lock)
+    """Have the lock of a folder, which goes with the process that holds it; yield whether it is ours.
 
-
-def _lock(folder: Path, *, wait: bool = False) -> int | None:
-    """The lock of a folder, or None if it is another run's, or there are no locks on this system."""
+    It is not where another run has it, or there are no locks on this system.
+    """
     if sys.platform == "win32":
-        return None
+        yield False
+        return
     from fcntl import LOCK_EX, LOCK_NB, flock
 
-    file = None
-    try:
-        file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        for _ in range(TRIES if wait else 0):
-            with suppress(BlockingIOError):
-                flock(file, LOCK_EX | LOCK_NB)
-                return file
-            sleep(PATIENCE / TRIES)
-        if wait:
-            print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
-        flock(file, LOCK_EX | (0 if wait else LOCK_NB))
-    except OSError:
-        if file is not None:
-            os.close(file)
-        return None
-    return file
+    with ExitStack() as held:
+        try:
+            file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            held.callback(os.close, file)
+            for _ in range(TRIES if wait else 0):
+                with suppress(BlockingIOError):
+                    flock(file, LOCK_EX | LOCK_NB)
+                    break
+                sleep(PATIENCE / TRIES)
+            else:
+                if wait:
+                    print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
+                flock(file, LOCK_EX | (0 if wait else LOCK_NB))
+            ours = True
+        except OSError:
+            ours = False
+        yield ours

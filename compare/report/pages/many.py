@@ -68,7 +68,7 @@ def _shown(family: Family) -> Iterator[dict[str, Any]]:
             "label": family_tables.label(family, member),
             "row": next(row for row, other in enumerate(family.members) if other is member),  # of the table
             "agreement": judged.agreement,
-            "svg": by_itself(Drawing(own.scene, own.motion, [other for other in alone if other is not own]), FRAMES),
+            "svg": by_itself(Drawing(own.scene, own.motion, alone), FRAMES),
             "ends": (float(over[0]), float(over[-1])),  # of the motion on the axis, SI
             "answers": answers(own.scene, cycle.peaks, named),
         }

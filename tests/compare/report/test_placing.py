@@ -4,6 +4,7 @@ import fcntl
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 from threading import Timer
 from types import ModuleType
@@ -243,9 +244,9 @@ def test_a_lock_of_another_process_is_waited_for_and_told(
     """Nothing is lost: the result is placed once the other lets go."""
     monkeypatch.setattr("compare.report.output.placing.PATIENCE", 0.2)
     (tmp_path / "name").mkdir()
-    lock = placing._lock(tmp_path)
-    assert lock is not None
-    Timer(1.0, os.close, (lock,)).start()
+    other = ExitStack()
+    assert other.enter_context(placing._locked(tmp_path))
+    Timer(1.0, other.close).start()
     with placed(tmp_path, "name", OWN) as aside:
         (aside / "page.html").touch()
     assert capsys.readouterr().err == f"{tmp_path}: waiting for the lock that another process has on it\n"
