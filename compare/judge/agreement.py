@@ -181,10 +181,7 @@ def agreement(judged: Judgement) -> Agreement:
 
 
 def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
-    """Whether a model was compared over a whole cycle, as engines are; a result is where it has rows.
-
-    Its longest step is no longer than that of the fewest samples that engines are asked for.
-    """
+    """Whether a model was compared over a whole cycle, in steps no longer than engines are asked for at least."""
     if not measurement.foreign:
         return True
     times, cycle = measurement.asked.times(scene), scene.drive.cycle

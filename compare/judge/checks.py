@@ -113,12 +113,9 @@ def _closed_by(scene: Scene, body: Body) -> set[str]:
 
 
 def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mapping[str, float]) -> Samples:
-    """By how much the body's points miss their distances, and it its guide, by their travel, shape (n,).
-
-    A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. Of two
-    points the larger travel counts: it is the less accurate one whose error opens the distance. A body that is turned
-    against its guide is off by that angle, rad, at an arm of its travel.
-    """
+    """By how much the body's points miss their distances, and it its guide, by their travel, shape (n,)."""
+    # A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. Of
+    # two points the larger travel counts: it is the less accurate one whose error opens the distance.
     gap = np.zeros(state.motion["time"].shape)
     for (p, q), length in distances(body).items():
         first, second = state.place(p), state.place(q)
@@ -131,7 +128,7 @@ def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mappin
         off = np.where(np.abs(on.imag) <= ROUNDINGS * EPS * (places + np.abs(on)), 0.0, np.abs(on.imag))
         gap = np.maximum(gap, off / max(travel[p] for p in mechanics.along_guides[body.name] if p in travel))
         if body.name in mechanics.scene.turning:
-            between = state.angle(body.name) - state.angle(body.slide.on)
+            between = state.angle(body.name) - state.angle(body.slide.on)  # rad, at an arm of its travel
             gap = np.maximum(gap, np.abs(np.remainder(between + np.pi, 2 * np.pi) - np.pi))
     return gap
 
@@ -166,11 +163,7 @@ def estimate(
 def _balances(
     mechanics: Mechanics, state: MotionVectors, travel: Mapping[str, float], estimated: Estimate, may: Sequence[Acts]
 ) -> Violations:
-    """What forces and power leave over; on the switch of a press force, on the side where it is less.
-
-    What rounding explains is zero. What is left over on a body is relative to the peak force on it, or on any where it
-    carries nothing: if that is so in the motion's own poses, what an engine finds there is its noise.
-    """
+    """What forces and power leave over above rounding; on a press force's switch, on the side where it is less."""
     least: Violations = {}
     newtons = {c: float(np.abs(state.motion[c]).max()) for c in mechanics.forces if mechanics.units[c] == "N"}
     fastest = max((float(np.abs(state.point(p)[1]).max()) for p in mechanics.scene.moving_points), default=0.0)
@@ -184,6 +177,8 @@ def _balances(
         peaks, carried = (
             {name: max(_sizes(body, mechanics.size)) for name, body in of.items()} for of in (bodies, closed)
         )
+        # Relative to the peak force on the body, or on any where it carries nothing: if that is so in the motion's own
+        # poses, what an engine finds there is its noise.
         nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
         own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
         scale = force_scales(mechanics, state.motion, travel, own)

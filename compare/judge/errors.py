@@ -80,12 +80,9 @@ def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
 
 
 def _slope(reference: Reference, motion: Motion) -> Samples:
-    """|dx/dq| of the output point over the drive's position q, but for a constant factor.
-
-    It is the output's velocity at a constant speed of the drive; under a law, whose rests are no toggles, at another.
-    """
+    """|dx/dq| of the output point over the drive's position q, but for a constant factor: its speed at a steady one."""
     scene = reference.scene
-    if not isinstance(scene.drive, ConstantSpeed):
+    if not isinstance(scene.drive, ConstantSpeed):  # a law's rests are no toggles
         steady = ConstantSpeed(scene.drive.body, 1.0, *scene.drive.extent)
         velocity = frozenset((f"{scene.output}.vx", f"{scene.output}.vy"))
         steadily = registry.reference(replace(scene, drive=steady), velocity)

@@ -65,16 +65,13 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
 
 
 def _doubt(core: Measurement, oracle: Measurement) -> str:
-    """Why the reference is not to be believed, with whom to suspect; or nothing.
-
-    The checks are a third opinion. They take the scene's laws and loads as all models but arbitrary precision do.
-    """
+    """Why the reference is not to be believed, with whom to suspect; or nothing."""
     if any(check.check == "drive" and not check.worst <= DRIVE for check in core.checks):  # it is where it was put
         return f"the scene's drive contradicts itself, suspect the scene's layer: {core.run.reason}"
     if core.run.status is not Status.ok:
         return f"the core contradicts itself, suspect the core: {core.run.reason}"
     if oracle.run.status is Status.ok or oracle.run.status in NO_ANSWER:
         return ""
-    if oracle.run.found_by == "checks":
+    if oracle.run.found_by == "checks":  # a third opinion, which takes laws and loads as all other models do
         return f"arbitrary precision alone differs, suspect the scene's laws, tables and loads: {oracle.run.reason}"
     return f"the core and arbitrary precision differ, suspect the core: {oracle.run.reason}"

@@ -80,10 +80,7 @@ def coarse(measured: Measurement) -> list[str]:
 
 
 def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samples) -> Samples:
-    """Where the drive is by the time, but for what its own decimals do not explain of where it is.
-
-    These excuse no other channel: all are held against the reference at the result's instants.
-    """
+    """Where the drive is by the time, but for what its decimals, which excuse no other channel, do not explain."""
     asked = mechanics.scene.drive.at(time).position
     off = position - asked
     left: Samples = np.sign(off) * np.maximum(np.abs(off) - np.minimum(half, MOST * mechanics.way), 0.0)
@@ -114,11 +111,7 @@ def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, S
 
 
 def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) -> list[Check]:
-    """What checks find in a result's own motion, nothing where the decimals explain it.
-
-    They explain what checks find in the reference's, each number off by as much as it may be as written. A balance adds
-    up many channels, each of which is held against the reference by itself: it has no other limit.
-    """
+    """What checks find in a result's own motion; nothing where they find it in the reference's as it may be written."""
     draw, complete = np.random.default_rng(SEED), own.samples.keys() >= reference.mechanics.units.keys()
     way = np.abs(reference.scene.drive.at(true["time"]).rate) * halves["time"]  # of the drive meanwhile
     halves = {**halves, reference.scene.drive_channel: way}
@@ -129,6 +122,7 @@ def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) ->
         return checks(reference.mechanics, motion, reference.travel, may, reference.stroke_ends)
 
     allowed = found(Motion(off | {"time": true["time"]}))
+    # A balance adds up many channels, each of which is held against the reference by itself: it has no other limit.
     most = {_of(each): min(ALIKE * each.worst, np.inf if each.check in BALANCES else MOST) for each in allowed}
     return [replace(each, worst=0.0) if each.worst <= most.get(_of(each), 0.0) else each for each in found(own)]
 

@@ -78,11 +78,8 @@ def judgement(
 
 
 def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Reference, list[Measurement]]:
-    """The reference and the measurements with whoever stands alone named.
-
-    Engines that the reference alone contradicts, and that agree with each other, put one without a floor in doubt.
-    Results of other programs have no vote: two may be copies of one.
-    """
+    """The reference, in doubt where engines that it alone contradicts agree with each other, and the measurements."""
+    # Results of other programs have no vote: two may be copies of one.
     voters = [m for m in measurements if not m.foreign and m.run.engine not in (REFERENCE, ORACLE)]
     against = [m for m in voters if m.run.found_by == "reference"]
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()

@@ -89,10 +89,7 @@ def _forces(mechanics: Mechanics, true: Motion) -> dict[str, Samples]:
 def _sensitivity(
     mechanics: Mechanics, true: Motion, errors: Callable[[Motion, Motion], Mapping[str, Samples]]
 ) -> dict[str, Samples]:
-    """By how much each channel moves when lengths, places and drive are off by a few last places, shape (n,).
-
-    Infinite where one of the scenes cannot be assembled: then doubles know nothing of the motion.
-    """
+    """By how much each channel moves when lengths, places and drive are off by a few last places, shape (n,)."""
     position = true[mechanics.scene.drive_channel]
     least = 1e-3 * np.ptp(mechanics.scene.drive.extent)  # an angle that passes through zero is no better known there
     off = ULPS * EPS * np.maximum(np.abs(position), least)
@@ -102,7 +99,7 @@ def _sensitivity(
         try:
             with np.errstate(invalid="ignore"):
                 by_channel = errors(solve(position + (-1) ** number * off, true["time"]), true)
-        except Failure:
+        except Failure:  # it cannot be assembled: then doubles know nothing of the motion
             return unknown
         for channel, error in by_channel.items():
             known = np.where(np.isnan(error), np.inf, error)  # where both scenes stand in a singular pose

@@ -144,10 +144,7 @@ def chord(places: Vectors) -> complex:
 
 
 def _below(places: Sequence[complex]) -> list[complex]:
-    """The corners of the hull from the first to the last of sorted positions, to the right of that way.
-
-    By Andrew's monotone chain (1979): where the way would not turn left is no corner.
-    """
+    """The hull's corners from the first to the last of sorted positions, to the right of that way (Andrew 1979)."""
     corners: list[complex] = []
     for place in places:
         while len(corners) > 1 and ((corners[-1] - corners[-2]).conjugate() * (place - corners[-1])).imag <= 0:

@@ -192,10 +192,7 @@ def each_check_alone(sign: int, copy: Thinned) -> bool:
 
 
 def _balances_notice(copy: Thinned, times: float) -> bool:
-    """Whether each balance finds a force on the driven body far above all, and a couple above its moment.
-
-    For power a driven slider is made fast, too: its own speed may be nothing beside that of other points.
-    """
+    """Whether each balance finds a force on the driven body far above all, and a couple above its moment."""
     scene, (*others, effort), driven = copy.scene, force_channels(copy.scene), copy.scene.drive.body
     force = times * max(float(copy.sizes[channel].max()) for channel in (*others, effort))
     couple = ARMS * force * largest_length(scene)
@@ -208,6 +205,7 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
         point = next(p for p in (scene.bodies[name].points[0] for name in ends) if p in scene.moving_points)
         along = MotionVectors(scene, copy.true).along(scene.bodies[driven])
         way = ((f"{point}.vx", along.real), (f"{point}.vy", along.imag))
+        # Its own speed may be nothing beside that of other points: for power it is made fast, too.
         power = both | {rate: times * part * float(copy.sizes[rate].max()) for rate, part in way}
     return all(
         max(one.worst for one in copy.assessed(spoilt.shifted(copy.motion, push)).checks if one.check == name) > MUCH

@@ -190,10 +190,7 @@ def _shares(carried: Carried) -> Iterator[Hypothesis]:
 
 
 def _friction(carried: Carried) -> Iterator[Hypothesis]:
-    """Friction in guides and pins, by the load, constant, or viscous; and such as the drive's effort alone has.
-
-    That is of the drive itself, or by the power lost in a joint.
-    """
+    """Yield friction in guides and pins; and what the drive's effort alone has, its own or by power lost in a joint."""
     scene, evidence, fits = carried.scene, carried.evidence, []
     rate = scene.drive.at(evidence.true["time"]).rate
     per_rate = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate != 0)

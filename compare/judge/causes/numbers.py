@@ -88,11 +88,7 @@ def _along(slopes: Slopes, direction: Direction) -> Channels:
 
 
 def _nearest(evidence: Evidence, ways: Sequence[Sequence[Channels]]) -> Iterator[list[tuple[int, ...]]]:
-    """Yield the groups that leave least alone, then the pairs, and so on: each of the best ones with every other.
-
-    They leave least of the whole, or of every row as if it were as large: next to a dead point few rows have nearly
-    all of the deviation, and go least along their slopes. All least squares are those of one triangle, R of Q R.
-    """
+    """Yield the groups that leave least alone, then the pairs, and so on: each of the best ones with every other."""
     off, nothing = np.array([*evidence.deviation.values()]), np.zeros(len(evidence.rows))
     ends = np.cumsum([0, *(len(group) for group in ways)])
     weighted = [[change.get(c, nothing) / evidence.scale[c] for c in evidence.names] for way in ways for change in way]
@@ -101,6 +97,8 @@ def _nearest(evidence: Evidence, ways: Sequence[Sequence[Channels]]) -> Iterator
     known = [k for k, column in enumerate(own) if np.isfinite(column).all() and column.any()]
     columns[~np.isfinite(columns)] = 0.0
     size = np.linalg.norm(off, axis=0)
+    # Least of the whole, or of every row as if it were as large: next to a dead point few rows have nearly all of the
+    # deviation, and go least along their slopes. All least squares are those of one triangle, R of Q R.
     wholes = (np.array([*columns, off]) * by for by in (1.0, 1 / (size + np.median(size) + EXACT * size.max())))
     triangles = [np.linalg.qr(whole.reshape(len(whole), -1).T)[1] for whole in wholes]
     best: list[list[tuple[float, tuple[int, ...]]]] = [[(0.0, ())], [(0.0, ())]]  # by price

@@ -137,16 +137,13 @@ def heights(followed: Sequence[CycleCurve], motion: Motion) -> Iterator[Samples]
 
 
 def _to_longest(ends: Values) -> Samples:
-    """How many steps further, shape (..., 2), two places on a path are furthest apart, one step of Newton's.
-
-    Around each of the two are three samples, shape (..., 2, 3), of each a parabola.
-    """
+    """How many steps further two places are furthest apart, shape (..., 2), by samples around both, (..., 2, 3)."""
     before, z, after = np.moveaxis(ends, -1, 0)
     (v1, v2), (a1, a2) = (np.moveaxis(x, -1, 0) for x in ((after - before) / 2, after - 2 * z + before))
     d = z[..., 0] - z[..., 1]
     g1, g2, H12 = ((one.conj() * other).real for one, other in ((d, v1), (-d, v2), (-v1, v2)))
     H11, H22 = np.abs(v1) ** 2 + (d.conj() * a1).real, np.abs(v2) ** 2 - (d.conj() * a2).real
-    det = H11 * H22 - H12**2
+    det = H11 * H22 - H12**2  # of the square of the distance between two parabolas: one step of Newton's
     det = np.where((H11 < 0) & (det > 0), det, np.inf)  # no maximum: they stay
     steps = np.stack([H12 * g2 - H22 * g1, H12 * g1 - H11 * g2], axis=-1) / det[..., np.newaxis]
     return np.clip(steps, -FINE, FINE)
