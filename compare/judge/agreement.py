@@ -64,10 +64,7 @@ class WorstError(NamedTuple):
 
 
 def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = ()) -> WorstError | None:
-    """The largest error of an engine, a NaN counting as the largest; None where nothing was compared.
-
-    It is that of some channel groups, of all where none is named.
-    """
+    """The largest error of an engine in some channel groups or all, NaN above any; None where nothing was compared."""
     rows = [row for row in measurement.errors if not groups or row.group in groups]
     if not rows:
         return None

@@ -62,10 +62,7 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
 
 
 def coarse(measured: Measurement) -> list[str]:
-    """A sentence where decimals excuse more than the result promises, so that ok is no more than that.
-
-    Or where it is not ok, and they would have to excuse more than they may.
-    """
+    """A sentence where decimals excuse more than an ok result promises, or would have to excuse more than they may."""
     run, errors = measured.run, [row for row in measured.errors if row.group != "drive"]  # which is an input
     if not errors or run.settings is None:
         return []

@@ -52,8 +52,7 @@ def judgement(
     Results of other programs come after the engines; `progress` is called with what is being done.
     """
     scene, explained = reference.scene, explain(reference, sampling)
-    sketched = [*warnings(reference)]
-    reasons = [*notes(scene), *point_masses(scene), *parts_of_cycles(scene, sampling), *sketched]
+    reasons = [*notes(scene), *point_masses(scene), *parts_of_cycles(scene, sampling), *warnings(reference)]
 
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:

@@ -51,8 +51,7 @@ class Measurement:
 
     def worst(self, figure: str = "max") -> dict[str, float]:
         """The largest of a figure of the errors by channel group; a NaN counts as the largest."""
-        groups = sorted(by_group(self.errors).items())
-        return {group: getattr(worst_of(rows, figure), figure) for group, rows in groups}
+        return {group: getattr(worst_of(of, figure), figure) for group, of in sorted(by_group(self.errors).items())}
 
     @property
     def largest(self) -> float:

@@ -47,9 +47,8 @@ def distances(body: Body) -> dict[tuple[str, str], float]:
     """The known distances of a body's points, m: of every two, or those that are given."""
     if body.local is not None:
         return {(p, q): abs(complex(*body.local[p]) - complex(*body.local[q])) for p, q in combinations(body.points, 2)}
-    assert body.lengths is not None
-    pairs = combinations(body.points, 2)
-    return {(p, q): body.lengths[frozenset((p, q))] for p, q in pairs if frozenset((p, q)) in body.lengths}
+    known, pairs = body.lengths or {}, combinations(body.points, 2)
+    return {pair: known[frozenset(pair)] for pair in pairs if frozenset(pair) in known}
 
 
 def inertia(body: Body) -> float:
@@ -90,10 +89,7 @@ def arms(scene: Scene, body: Body) -> dict[str, complex]:
 
 
 def largest_length(scene: Scene) -> float:
-    """The largest known distance of a body's points, of the ground's that something is joined to, or in a cylinder, m.
-
-    Without one it is the drive's travel.
-    """
+    """The largest known distance on a body, on the ground in use or in a cylinder, m; else the drive's travel."""
     ends = (end for spring in scene.springs for end in (spring.first, spring.second))
     joined = {pin.point for pin in scene.pins} | {point for body, point in ends if body == GROUND}
     ground = [complex(*place) for point, place in scene.ground.items() if point in joined]

@@ -82,11 +82,9 @@ class Constraints:
         for pin in scene.pins:
             second, first = arms[pin.second][pin.point], arms[pin.first][pin.point]
             yield from (Constraint(pin.second, pin.first, second, first, axis) for axis in (1, 1j))
-        for body in scene.bodies.values():
-            if body.slide is not None:
-                on, along = body.slide.on, complex(*body.slide.along)
-                yield Constraint(body.name, on, 0, self._through(body.slide), 1j * along, on)
-                yield Constraint(body.name, on)
+        for name, guide in scene.slides.items():
+            yield Constraint(name, guide.on, 0, self._through(guide), 1j * complex(*guide.along), guide.on)
+            yield Constraint(name, guide.on)
         slide, on = scene.driven_slide, scene.drive_on
         line = () if slide is None else (0, self._through(slide), complex(*slide.along), on)
         yield Constraint(scene.drive.body, on, *line)

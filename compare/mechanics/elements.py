@@ -118,11 +118,8 @@ def force(state: MotionVectors, load: Load) -> Vectors:
     """The force of a load on its body, N, in the ground's frame; not of a moment."""
     body = state.scene.bodies[load.body]
     match load:
-        case ForceTable():
-            assert body.slide is not None
-            value: Any = load.along(state.displacement(body)[0]) * np.array(complex(*body.slide.along))
-        case GuideForce():
-            value = _size(state, load, load.force) * state.along(body)
+        case ForceTable() | GuideForce():
+            value: Any = _size(state, load, getattr(load, "force", None)) * state.along(body)
         case TableForce():
             value = _size(state, load) * complex(*load.direction)
         case Force() | PressForce():
@@ -136,13 +133,17 @@ def force(state: MotionVectors, load: Load) -> Vectors:
     return vectors * np.exp(1j * state.angle(load.body)) if getattr(load, "frame", GROUND) == "body" else vectors
 
 
-def _size(state: MotionVectors, load: GuideForce | TableForce | Moment, constant: float | None = None) -> Any:
-    """A constant, or the value of a table over the drive's position, the time, or the displacement on the guide."""
-    if load.table is None:
-        return constant
-    if load.table.over == "displacement":
-        return load.table.at(state.on_guide(state.scene.bodies[load.body]).real)
-    return load.table.at(state.motion["time" if load.table.over == "time" else state.scene.drive_channel])
+def _size(
+    state: MotionVectors, load: ForceTable | GuideForce | TableForce | Moment, constant: float | None = None
+) -> Any:
+    return constant if load.table is None else load.table.at(argument(state, load.body, load.table))
+
+
+def argument(state: MotionVectors, body: str, table: LoadCurve) -> Samples:
+    """What a table on a body is over: the drive's position, the time, or the displacement on the guide."""
+    if table.over == "displacement":
+        return state.on_guide(state.scene.bodies[body]).real
+    return state.motion["time" if table.over == "time" else state.scene.drive_channel]
 
 
 def table_of(load: Load) -> LoadCurve | None:
@@ -155,23 +156,23 @@ def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:
     scene, motion, names = state.scene, state.motion, (*state.scene.bodies, GROUND)
     pushes: dict[str, list[tuple[Vectors, Vectors]]] = {name: [] for name in names}
     couples = dict.fromkeys(names, np.zeros(motion["time"].shape))
+
+    def act(on: str, other: str, at: str, force: Vectors, couple: Samples | float = 0.0) -> None:
+        for name, sign in ((on, 1), (other, -1)):
+            pushes[name].append((sign * force, state.place(at)))
+            couples[name] = couples[name] + sign * couple
+
     for pin in scene.pins:
-        force, at = state.vector(f"{pin.channel}.", "fx", "fy"), state.place(pin.point)
-        pushes[pin.first].append((-force, at))
-        pushes[pin.second].append((force, at))
+        act(pin.second, pin.first, pin.point, state.vector(f"{pin.channel}.", "fx", "fy"))
     for name, slide in scene.slides.items():
-        normal = np.exp(1j * state.angle(slide.on)) * 1j * complex(*slide.along)
-        for on, sign in ((name, 1), (slide.on, -1)):
-            force = sign * motion[f"{name}.guide_force"] * normal
-            pushes[on].append((force, state.place(scene.bodies[name].points[0])))
-            couples[on] = couples[on] + sign * motion[f"{name}.guide_moment"]
+        force = motion[f"{name}.guide_force"] * 1j * state.along(scene.bodies[name])
+        act(name, slide.on, scene.bodies[name].points[0], force, motion[f"{name}.guide_moment"])
     driven = scene.bodies[scene.drive.body]
-    for on, sign in ((driven.name, 1), (scene.drive_on, -1)):
-        if driven.slide is None:
+    if driven.slide is not None:
+        act(driven.name, scene.drive_on, driven.points[0], motion["drive.force"] * state.along(driven))
+    else:
+        for on, sign in ((driven.name, 1), (scene.drive_on, -1)):
             couples[on] = couples[on] + sign * motion["drive.torque"]
-        else:
-            force = sign * motion["drive.force"] * state.along(driven)
-            pushes[on].append((force, state.place(driven.points[0])))
     moving = {}
     for name, body in scene.bodies.items():
         own = [*applied(state, body)]

@@ -104,10 +104,9 @@ class Mechanics:
     def along_guides(self) -> Mapping[str, tuple[str, ...]]:
         """By body that slides its moving points, and those of the body that it slides on."""
         bodies, moving = self.scene.bodies, {*self.scene.moving_points}
-        on = {name: body.slide.on for name, body in bodies.items() if body.slide is not None}
         return {
-            name: tuple(p for each in (name, guide) if each in bodies for p in bodies[each].points if p in moving)
-            for name, guide in on.items()
+            name: tuple(p for each in (name, slide.on) if each in bodies for p in bodies[each].points if p in moving)
+            for name, slide in self.scene.slides.items()
         }
 
     @cached_property

@@ -47,12 +47,11 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
             _loads(mechanics, block, Motion(closed), poses.inverse, ends) if mechanics.forces else ({}, {})
         )
         parts.append(({**closed, **acting}, fitting, {"branch": poses.branch, "condition": poses.condition}))
-    closed, fitting, known = map(_joined, zip(*parts, strict=True))
+    closed, fitting, known = (
+        {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+        for blocks in zip(*parts, strict=True)
+    )
     return Projection(Motion(closed), fitting, **known)
-
-
-def _joined(parts: Sequence[Mapping[str, Samples]]) -> dict[str, Samples]:
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _kinematics(mechanics: Mechanics, poses: ClosedPoses) -> dict[str, Samples]:

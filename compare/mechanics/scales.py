@@ -116,10 +116,7 @@ def off_origin(mechanics: Mechanics, motion: Motion) -> Samples:
 
 
 def travels(scene: Scene, motion: Motion) -> dict[str, float]:
-    """The largest distance between two positions of each moving point, m, no less than `LEAST` of the largest.
-
-    Left out are points whose positions the motion has not.
-    """
+    """The largest distance between two positions of each point of a motion, m, no less than `LEAST` of the largest."""
     known = [point for point in scene.moving_points if {f"{point}.x", f"{point}.y"} <= motion.samples.keys()]
     own = {point: abs(chord(motion[f"{point}.x"] + 1j * motion[f"{point}.y"])) for point in known}
     least = LEAST * max(own.values(), default=0.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
-from scenes.elements.springs import TorsionSpring
+from scenes.elements.springs import Spring, TorsionSpring
 from scenes.model.motion import Samples
 from scenes.scene import DrawnBody
 
@@ -130,23 +130,19 @@ def _of_forces(scene: Scene) -> Iterator[Numbers]:
         if isinstance(load, Force):
             vector = Cause(Kind.load, load.at, "the load at {place} is {force} at {way}")
             yield linear(vector, ways, partial(_turned_vector, own, own))
-    for number, spring in enumerate(scene.springs):
-        place = f"{spring.first[1]}-{spring.second[1]}"
-        for of, value, text in (
-            ("stiffness", spring.stiffness, "the spring {place}{stiffness}"),
-            ("length", spring.length, "the spring {place}'s length is {percent}"),
-            ("damping", spring.damping, "the damping of the spring {place} is {percent}"),
-        ):
+    for at, spring in scene.elements:
+        if isinstance(spring, TorsionSpring):
+            place, what = spring.at, "the torsion spring {place}"
+            unloaded = "angle", 1.0, f"{what}'s angle is {{angle}} off"
+        elif isinstance(spring, Spring):
+            place, what = f"{spring.first[1]}-{spring.second[1]}", "the spring {place}"
+            unloaded = "length", spring.length, f"{what}'s length is {{percent}}"
+        else:
+            continue
+        damping = "damping", spring.damping, f"the damping of {what} is {{percent}}"
+        for of, value, text in (("stiffness", spring.stiffness, f"{what}{{stiffness}}"), unloaded, damping):
             if value is not None:
-                yield linear(Cause(Kind.spring, place, text), ({f"springs.{number}.{of}": value},))
-    for number, torsion in enumerate(scene.torsion_springs):
-        for of, value, text in (
-            ("stiffness", torsion.stiffness, "the torsion spring {place}{stiffness}"),
-            ("angle", 1.0, "the torsion spring {place}'s angle is {angle} off"),
-            ("damping", torsion.damping, "the damping of the torsion spring {place} is {percent}"),
-        ):
-            if value is not None:
-                yield linear(Cause(Kind.spring, torsion.at, text), ({f"torsion_springs.{number}.{of}": value},))
+                yield linear(Cause(Kind.spring, place, text), ({f"{at}.{of}": value},))
 
 
 def load_place(load: Load | TorsionSpring) -> str:

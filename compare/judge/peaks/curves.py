@@ -68,13 +68,12 @@ def _forces(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
         yield CycleCurve("reaction", pin.channel, (x, y), scale[x], _vector(x, y))
-    for body in scene.bodies.values():
-        if body.slide is not None:
-            force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
-            turning = (f"{body.slide.on}.angle",) if body.slide.on in scene.turning else ()
-            across = _across(scene, force, body.slide.on, 1j * body.slide.along[0] - body.slide.along[1])
-            yield CycleCurve("guide_force", body.name, (force, *turning), scale[force], across)
-            yield CycleCurve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
+    for name, guide in scene.slides.items():
+        force, moment = f"{name}.guide_force", f"{name}.guide_moment"
+        turning = (f"{guide.on}.angle",) if guide.on in scene.turning else ()
+        across = _across(scene, force, guide.on, 1j * guide.along[0] - guide.along[1])
+        yield CycleCurve("guide_force", name, (force, *turning), scale[force], across)
+        yield CycleCurve("guide_moment", name, (moment,), scale[moment], _along({moment: 1.0}))
     slide = scene.driven_slide
     channel, along = ("drive.torque", None) if slide is None else ("drive.force", complex(*slide.along))
     along = along if scene.drive_on == GROUND else None  # along a guide that swings it has no one direction

@@ -16,7 +16,7 @@ from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, MotionLaw, PressForce, SegmentedLaw
 
-from ...mechanics.elements import table_of
+from ...mechanics.elements import argument, table_of
 from ...mechanics.motion_vectors import MotionVectors
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
@@ -41,8 +41,7 @@ def beyond(scene: Scene, motion: Motion) -> list[Samples]:
     """How far each table of a load is beyond each of its entries, shape (..., n): forces bend where it is zero."""
     levels: list[Samples] = []
     for name, table in _tables(scene):
-        by = "time" if table.over == "time" else scene.drive_channel
-        over = _displaced(scene, motion, name) if table.over == "displacement" else motion[by]
+        over = argument(MotionVectors(scene, motion), name, table)
         beyond = [over - entry for entry in table.arguments]
         half_turn = pi / (table.arguments[-1] - table.arguments[0])  # of a sine that is zero once a period
         levels += [np.sin(half_turn * level) for level in beyond] if table.periodic else beyond
@@ -60,15 +59,6 @@ def needed(scene: Scene) -> Iterator[str]:
 def _tables(scene: Scene) -> list[tuple[str, LoadCurve]]:
     """The tables of loads, each with its body."""
     return [(load.body, table) for load in scene.loads if (table := table_of(load)) is not None]
-
-
-def _displaced(scene: Scene, motion: Motion, name: str) -> Samples:
-    """The displacement of a slider, m, shape (..., n)."""
-    slide, point = scene.slides[name], scene.bodies[name].points[0]
-    if slide.on != GROUND:
-        return MotionVectors(scene, motion).on_guide(scene.bodies[name]).real
-    parts = zip("xy", slide.along, slide.through, strict=True)
-    return np.asarray(np.sum([along * (motion[f"{point}.{axis}"] - through) for axis, along, through in parts], axis=0))
 
 
 def refined(
@@ -153,8 +143,7 @@ def in_order(parts: Sequence[Motion]) -> Motion:
     """Several motions of the same channels as one, in the order of the time."""
     joined = {c: np.concatenate([part[c] for part in parts], axis=-1) for c in parts[0].samples}
     order = np.argsort(joined["time"], axis=-1, kind="stable")
-    rows = order + order.shape[-1] * np.arange(order[..., 0].size).reshape(*order.shape[:-1], 1)  # of all samples
-    return Motion({c: np.take(values, rows) for c, values in joined.items()})
+    return Motion({c: np.take_along_axis(values, order, -1) for c, values in joined.items()})
 
 
 def _top(height: Samples, *, repeats: bool) -> Samples:

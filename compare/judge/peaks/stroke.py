@@ -143,7 +143,7 @@ def _push(load: Load, slide: Slide) -> Any:
 
 def at(values: NDArray[Any], row: RowNumbers) -> NDArray[Any]:
     """The samples at these rows, shape (...)."""
-    return values.reshape(-1, values.shape[-1])[np.arange(np.size(row)), np.ravel(row)].reshape(np.shape(row))
+    return np.take_along_axis(values, np.expand_dims(row, -1), -1)[..., 0]
 
 
 def chords(places: Values) -> Values:
