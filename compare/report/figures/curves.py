@@ -1,7 +1,4 @@
-"""Curves over the drive's position or the time, and over the distance to singular configurations.
-
-The reference is drawn as lines, the engines as sparse markers on them; below, each engine's error on a log axis.
-"""
+"""Curves over the drive's position or the time, errors below them, and over the distance to singular configurations."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -191,10 +188,7 @@ def _logarithmic(values: Samples) -> dict[str, Any]:
 
 
 def over_distance(study: Study) -> Figure | None:
-    """Draw every engine's errors over the distance to the nearest singular configuration; None if no other ran.
-
-    Where the core knows no distance in metres, it is the relative one to the nearest singular Jacobian, 1/κ.
-    """
+    """Draw every engine's errors over the distance to the nearest singular configuration; None if no other ran."""
     own = [(number, m) for number, m in enumerate(study.measurements) if m.run.engine != REFERENCE and not m.foreign]
     runs = [(number, m.run.engine, m.comparison.actual) for number, m in own if m.comparison is not None]
     channels = {group: [c for c in study.explained.sensitivity if GROUPS[quantity(c)] == group] for group in PLOTTED}
@@ -203,7 +197,7 @@ def over_distance(study: Study) -> Figure | None:
         return None
     locks = [values for channel, values in study.motion.samples.items() if quantity(channel) == "to_lock"]
     per_metre, metres = units(study.reference)["m"]
-    distance = per_metre * np.min(locks, axis=0) if locks else 1 / study.explained.condition
+    distance = per_metre * np.min(locks, axis=0) if locks else 1 / study.explained.condition  # or the relative one
     order = np.argsort(distance)
     figure = side_by_side(groups)
     for column, group in enumerate(groups, start=1):

@@ -13,7 +13,7 @@ from itertools import accumulate, product
 from typing import Any, Self, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from scenes.model.motion import Samples
 
@@ -155,9 +155,7 @@ def affordable(figures: Iterable[Iterable[Attributes]]) -> int:
     return most
 
 
-def thinned(
-    traces: Iterable[Attributes], most: int = CURVE, precision: type[np.floating[Any]] = np.float64
-) -> list[Attributes]:
+def thinned(traces: Iterable[Attributes], most: int = CURVE, precision: DTypeLike = np.float64) -> list[Attributes]:
     """Traces with at most so many points a curve, and those in some precision."""
     shown = [*traces]
     for number, trace in enumerate(shown):

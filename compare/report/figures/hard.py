@@ -1,7 +1,4 @@
-"""Figures of hard cases: their errors, and maps of where engines are stable.
-
-A map has errors in colour, failures in grey with a letter, theory as a line.
-"""
+"""Figures of hard cases: their errors, and maps of where engines are stable, failures being grey with a letter."""
 
 from collections.abc import Collection, Hashable, Iterator, Mapping
 from textwrap import wrap
@@ -27,12 +24,8 @@ TITLES: Mapping[str, tuple[str, str]] = {
 }
 SYMBOLS = dict(zip(Outcome, ("circle", "x-thin-open", "diamond-open", "star", "square-open"), strict=True))
 TINY = 1e-16  # an error of zero has no logarithm
-SCALE = {
-    "cmin": -6,
-    "cmax": 0,
-    "colorscale": "Viridis",
-    "colorbar": {"title": "error", "tickvals": [*range(-6, 1)], "ticktext": [f"1e{n}" for n in range(-6, 1)]},
-}
+TICKS = {"tickvals": [*range(-6, 1)], "ticktext": [f"1e{n}" for n in range(-6, 1)]}  # powers of ten
+SCALE = {"cmin": -6, "cmax": 0, "colorscale": "Viridis", "colorbar": {"title": "error"} | TICKS}
 GREYED = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
 
 

@@ -53,9 +53,19 @@ class MovingPicture:
 
     @property
     def data(self) -> str:
-        """The text that the page's script unpacks."""
+        """The text that the page's script unpacks: a line of JSON, then the bytes of 4-byte numbers, row by row.
+
+        The reference, finite, is kept as second differences of whole numbers, `quanta` being what they count by row.
+        """
         reference, *others = (table[:, self.rows] for table in self._tables)
-        return _packed(self._header(), reference, others)
+        quanta = np.maximum(np.abs(reference).max(axis=1), 1e-300) / WHOLE
+        whole = np.round(reference / quanta[:, np.newaxis]).astype("<i4")
+        second = np.diff(whole, 2, axis=1, prepend=np.zeros((len(whole), 2), "<i4"))
+        with np.errstate(over="ignore"):
+            tables = [second, *(other.astype("<f4") for other in others)]
+        words = np.concatenate([np.ascontiguousarray(table).view(np.uint8).reshape(-1, 4) for table in tables])
+        line = json.dumps(self._header() | {"quanta": quanta.tolist()}, separators=(",", ":")).encode()
+        return packed(line + b"\n" + words.T.tobytes())  # first bytes first: gzip leaves half of it
 
     @cached_property
     def rows(self) -> NDArray[np.intp]:
@@ -128,16 +138,3 @@ class MovingPicture:
                 by_step.setdefault(float(fitting[-1]), []).append(name)
         yield 1.0, ""
         yield from ((times, " and ".join(names)) for times, names in sorted(by_step.items()))
-
-
-def _packed(header: dict[str, Any], reference: NDArray[np.float64], others: Sequence[NDArray[np.float64]]) -> str:
-    """A text that a script unpacks, gzip in base64: a line of JSON, then the bytes of 4-byte numbers, row by row."""
-    # The reference, finite, shape (channels, n), is kept as second differences of whole numbers, counted in `quanta`.
-    quanta = np.maximum(np.abs(reference).max(axis=1), 1e-300) / WHOLE
-    whole = np.round(reference / quanta[:, np.newaxis]).astype("<i4")
-    second = np.diff(whole, 2, axis=1, prepend=np.zeros((len(whole), 2), "<i4"))
-    with np.errstate(over="ignore"):
-        tables = [second, *(other.astype("<f4") for other in others)]
-    words = np.concatenate([np.ascontiguousarray(table).view(np.uint8).reshape(-1, 4) for table in tables])
-    line = json.dumps(header | {"quanta": quanta.tolist()}, separators=(",", ":")).encode()
-    return packed(line + b"\n" + words.T.tobytes())  # all first bytes, then the second ones: gzip leaves half of it

@@ -55,10 +55,7 @@ class Mover:
 
 
 def by_itself(drawing: Drawing, frames: int) -> str:
-    """A drawing that moves by itself through so many poses, or stands where there are none: one SVG without a script.
-
-    It is light or dark as the reader's system is.
-    """
+    """A drawing that moves by itself through so many poses, or stands where there are none: an SVG without a script."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int).tolist()
     root, movers = picture(drawing)
     style, own = [str(root[0].text), text("colours.css")], crc32(tostring(root))  # names of its own on a page

@@ -166,9 +166,8 @@ def _exchanged(one: Path, other: Path) -> bool:
     if sys.platform != "linux":
         return False
     rename = getattr(ctypes.CDLL(None), "renameat2", None)
-    return rename is not None and not rename(
-        AT_FOLDER, os.fsencode(one), AT_FOLDER, os.fsencode(other), ctypes.c_uint(EXCHANGE)
-    )
+    paths = AT_FOLDER, os.fsencode(one), AT_FOLDER, os.fsencode(other)
+    return rename is not None and not rename(*paths, ctypes.c_uint(EXCHANGE))
 
 
 @contextmanager

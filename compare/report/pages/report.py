@@ -1,6 +1,6 @@
 """The page on one scene: one self-contained HTML file, opened from disk with no network."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,22 +25,13 @@ from .html import render
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-ONLY_ANALYTIC = (
-    "A curve for each Assur group, named by its inner joint, from the reference, which alone knows such groups."
-    " Distance: the least change of a length of the group, or of the offset of a guide, that makes the pose singular."
-)
-ABOVE = (
-    "Explained by round-off: errors that no calculation with 16 digits avoids, by the condition of the constraint"
-    " Jacobian, or by how far the motion moves with the last digits of the scene's numbers. What is above is a fault."
-)
-
 
 def page(study: Study) -> str:
     """The whole report as HTML."""
     scene, (drawn, left_out) = study.scene, chosen(study)
-    panels = [(panel.title, over_angle(study, panel), "") for panel in drawn]
-    panels += _singular(study)
-    most = affordable(figure.traces for _, figure, _ in panels)
+    panels = {panel.title: over_angle(study, panel) for panel in drawn}
+    groups, distance = assur_groups(study), over_distance(study)
+    most = affordable(figure.traces for figure in (*panels.values(), groups, distance) if figure is not None)
     return render(
         "report.html",
         most=most,
@@ -54,7 +45,10 @@ def page(study: Study) -> str:
         position=position_name(scene),
         cycle=cycle_name(scene),
         steady=isinstance(scene.drive, ConstantSpeed),
-        panels=[(title, figure, described(title, figure), note) for title, figure, note in panels],
+        panels=panels,
+        groups=groups,
+        distance=distance,
+        described=described,
         left_out=[channel for panel in left_out for channel in panel.judged],
         picture=work_precision(study),
         speed_samples=SAMPLING.samples,
@@ -72,15 +66,6 @@ def in_full(cases: "DataFrame | None", maps: "DataFrame | None") -> dict[str, An
     from ..tables import hard
 
     return {"cases": cases, "maps": [*stability_maps(maps)], "hard": hard, "over_condition": over_condition}
-
-
-def _singular(study: Study) -> Iterator[tuple[str, Figure, str]]:
-    """Yield title, figure and a note of the figures of singular configurations."""
-    if (groups := assur_groups(study)) is not None:
-        title = "Assur groups: transmission angle, and distance to the singular configuration"
-        yield title, groups, ONLY_ANALYTIC
-    if (distance := over_distance(study)) is not None:
-        yield "Errors against the distance to the singular configuration", distance, ABOVE
 
 
 def described(title: str, figure: Figure) -> str:
