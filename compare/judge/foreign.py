@@ -35,10 +35,7 @@ SEED = 20261122
 
 
 def assess_result(reference: Reference, result: "Result") -> Measurement:
-    """The judgement of a result, at its own instants, in the channels that it has.
-
-    It is held against a reference that is in doubt too.
-    """
+    """The judgement of a result, at its own instants, in the channels that it has; by a reference in doubt too."""
     request, run, halves = result.request, result.run, result.half_decimals
     drive = reference.scene.drive_channel
     if run.motion is not None and drive in halves:

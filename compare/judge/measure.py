@@ -221,10 +221,7 @@ class Miss(NamedTuple):
 def gates(
     scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[str] | None = None, doubt: str = ""
 ) -> Iterator[Gate]:
-    """Yield every tolerance of the scene for the engines that ran, in the channels that are wanted, or all.
-
-    None is held where there is a doubt about the reference.
-    """
+    """Yield every tolerance of the engines that ran, in the wanted channels or all; in a doubt none is held."""
     groups = {GROUPS[quantity(channel)] for channel in wanted or ()}
     for measurement in measurements:
         run, errors = measurement.run, by_group(measurement.errors)

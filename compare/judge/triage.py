@@ -40,10 +40,7 @@ def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
 
 
 def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
-    """Return causes with their price, the least first, and what they leave over.
-
-    Costly ones are tried where no plain one explains what one body or joint has.
-    """
+    """Return causes with their price, the least first, and what they leave over."""
     elsewhere = away_from_switches(evidence)
     known: list[tuple[float, Hypothesis]] = []
 
@@ -53,6 +50,7 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
     try_all(evidence, sample_causes, read_out_causes, frame_causes, course_causes)
     try_all(elsewhere, force_causes)
     try_all(evidence, late_loads)
+    # Costly ones are tried where no plain one explains what one body or joint has.
     many = len({stem(channel) for channel in evidence.names}) > FEW
     if not (many and any(left <= ROUGHLY and one.cause.place != "all" for left, one in known)):
         try_all(evidence, drive_causes)
@@ -89,13 +87,8 @@ def sentences(
 ) -> dict[str, str]:
     """Return a line for each engine whose cause is known; where the core is in doubt, for it alone.
 
-    Engines that are ok, or returned no motion, have none.
-
-    Args:
-        reference: of the scene, after all engines have been heard.
-        sampling: what was asked of the engines.
-        measurements: one an engine, or a result of another program.
-        off: engines that are ok and miss a tolerance.
+    Engines that are ok, or returned no motion, have none; but those in `off` have one, which are ok and miss a
+    tolerance. The reference is that after all engines have been heard, `sampling` what was asked of them.
     """
     if doubt := reference.floor.doubt:
         return {REFERENCE: f"{REFERENCE}: {doubt}"}

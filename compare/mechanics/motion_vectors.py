@@ -126,10 +126,7 @@ class MotionVectors:
         return tuple(ends[load.body, load.closing] for load in presses)
 
     def acts(self, ends: Sequence[float]) -> list[Acts]:
-        """Whether each press force acts with displacement and velocity a hair less and a hair more, each shape (4, n).
-
-        Their closing strokes end at `ends`, m.
-        """
+        """Whether press forces, whose strokes end at `ends`, m, act a hair less and more far and fast, each (4, n)."""
         acts = []
         for load, end in zip(press_forces(self.scene), ends, strict=True):
             x, v, _ = self.displacement(self.scene.bodies[load.body])

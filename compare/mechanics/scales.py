@@ -68,11 +68,8 @@ def magnitude(motion: Motion, channel: str) -> Samples:
 
 
 def sizes(true: Motion, channel: str, scale: float) -> Samples:
-    """What errors of a channel are divided by, shape (n,): the larger of its scale and of its magnitude there.
-
-    Places and angles have no magnitude; that of the drive is how far it has come.
-    """
-    if channel.endswith(PLACES):
+    """What errors of a channel are divided by, shape (n,): the larger of its scale and of its magnitude there."""
+    if channel.endswith(PLACES):  # which have no magnitude; that of the drive is how far it has come
         return np.full(true["time"].shape, scale)
     if channel in DRIVEN:
         return np.maximum(scale, np.abs(true[channel] - true[channel][:1]))

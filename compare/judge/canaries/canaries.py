@@ -34,10 +34,7 @@ APART = 0.1  # of the scale: components that are nearer, as where no force acts,
 
 
 def canaries(judgement: Judgement) -> list[str]:
-    """The faults that are let through, a line each; none where no run is ok or the reference is in doubt.
-
-    The engines' ok runs are broken in turn.
-    """
+    """The faults that are let through, a line each; none where no run is ok or the reference is in doubt."""
     runs = [m.run for m in judgement.measurements if m.run.status is Status.ok and m.run.motion and not m.foreign]
     ok = [run for run in runs if registry.ENTRIES[run.engine].everything]  # one of fewer channels lacks what is broken
     if not ok or judgement.reference.floor.doubt:
@@ -46,7 +43,7 @@ def canaries(judgement: Judgement) -> list[str]:
     compared = (copies[-1], ("an error in one channel or another", each_channel_is_seen))  # the least accurate, at best
     return [
         f"the comparison itself: it lets through {copy.run.engine} with {wrong}"
-        for copy, (wrong, noticed) in (*zip(cycle(copies), _canaries(copies[0]), strict=False), compared)
+        for copy, (wrong, noticed) in (*zip(cycle(copies), _canaries(copies[0]), strict=False), compared)  # in turn
         if not noticed(copy)
     ]
 

@@ -31,12 +31,11 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
         scale = unit * (scene.drive.peak_rate / travel) ** order
         by_channel[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
     peaks = {channel: float(length(cycle, channel).max()) for channel in force_channels(scene) if channel in cycle}
-    for body in scene.bodies.values():
-        if body.slide is not None and peaks:
-            both = [body, *(scene.bodies[name] for name in {body.slide.on} - {GROUND})]
-            lever = max(reach.get(point, 0.0) for one in both for point in one.points)
-            least_moment = lever * peaks[f"{body.name}.guide_force"]
-            peaks[f"{body.name}.guide_moment"] = max(peaks[f"{body.name}.guide_moment"], least_moment)
+    for name, guide in scene.slides.items() if peaks else ():
+        both = [scene.bodies[each] for each in {name, guide.on} - {GROUND}]
+        lever = max(reach.get(point, 0.0) for body in both for point in body.points)
+        least_moment = lever * peaks[f"{name}.guide_force"]
+        peaks[f"{name}.guide_moment"] = max(peaks[f"{name}.guide_moment"], least_moment)
     for channel, peak in peaks.items():
         by_channel[channel] = whole * (peak if peak > NOTHING * max(peaks.values()) else otherwise[channel])
     return by_channel | {scene.drive_channel: np.maximum(travel, np.abs(way - way[0]))}

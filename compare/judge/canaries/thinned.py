@@ -169,10 +169,7 @@ def stops_without_a_motion(copy: Thinned) -> bool:
 
 
 def each_check_alone(sign: int, copy: Thinned) -> bool:
-    """Whether checks notice by themselves that all channels are off, that they found no number, or too much.
-
-    A check that is not made notices nothing. Balances, in which much cancels, have to notice single forces.
-    """
+    """Whether checks notice by themselves that all channels are off, that they found no number, or too much."""
     scene, settings = copy.scene, copy.run.settings
     assert settings is not None
     measured = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
@@ -181,9 +178,9 @@ def each_check_alone(sign: int, copy: Thinned) -> bool:
     too_much = EXCESS * max(settings.promise, settings.drive_promise)
     one_by_one = [[replace(own, worst=worst)] for own in measured.checks for worst in (float("nan"), too_much)]
     return (
-        all(alone.values())
+        all(alone.values())  # a check that is not made notices nothing
         and stops(copy, measured)
-        and (not scene.has_masses or _balances_notice(copy, sign * FAR))
+        and (not scene.has_masses or _balances_notice(copy, sign * FAR))  # single forces, since much cancels in them
         and all(
             judged(copy.run, own).status is not Status.ok
             for own in (*(alone[name] for name in names - BLIND), *one_by_one)
@@ -214,10 +211,7 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
 
 
 def each_channel_is_seen(copy: Thinned) -> bool:
-    """Whether the error of each channel is seen where the reference is another, each channel's at its own rows.
-
-    The output itself is as good as before: the comparison with the reference alone can notice.
-    """
+    """Whether the error of each channel is seen where the reference is another, each channel's at its own rows."""
     excess, amounts = copy.excess(CLEAR), copy.amounts(CLEAR)
     count = copy.sampling.count
     # On a press force's switch the reference is that of the side that fits, with no error of the other's.

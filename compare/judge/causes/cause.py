@@ -7,14 +7,13 @@ from typing import NamedTuple
 
 from scenes.model.motion import quantity
 
+from ...mechanics.mechanics import GROUPS
 from ...results.frame import ANGLES as ANGLES
 
 MOVING, TURNING = ("x", "y", "vx", "vy", "ax", "ay"), ("angle", "omega", "alpha")
-VECTORS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity", "ax": "acceleration"}
-VECTORS |= {"ay": "acceleration", "fx": "force", "fy": "force"}
-GENERAL = VECTORS | {"angle": "position", "omega": "velocity", "alpha": "acceleration"}
-GENERAL |= dict.fromkeys(("guide_force", "guide_moment", "torque", "force"), "force")
 FORCES = ("fx", "fy", "guide_force", "guide_moment", "torque", "force")
+GENERAL = {of: "force" if of in FORCES else group for of, group in GROUPS.items() if group != "drive"}
+VECTORS = {of: general for of, general in GENERAL.items() if of[-1] in "xy"}
 MANY = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations", "force": "forces"}
 POSES = MANY | {"position": "poses"}
 

@@ -1,6 +1,6 @@
 """Causes in the course of right samples: late, smoothed, differences of each other, noisy."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -64,16 +64,12 @@ def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         return
     time, below = evidence.motion["time"], {c: evidence.motion[source] for c, source in sources.items()}
     values = {c: np.unwrap(own) if sources[c].endswith("angle") else own for c, own in below.items()}
-    for how, difference in _DIFFERENCES.items():
-        predicted = _explained(evidence, {c: difference(own, time)[evidence.rows] for c, own in values.items()})
-        text = "{part} {is} {one} differences of samples"
+    text, before = "{part} {is} {one} differences of samples", [0, *range(len(time) - 1)]
+    central = {c: np.gradient(own, time) for c, own in values.items()}
+    backward = {c: (np.diff(own) / np.diff(time))[before] for c, own in values.items()}
+    for how, rates in (("central", central), ("backward", backward)):
+        predicted = _explained(evidence, {c: own[evidence.rows] for c, own in rates.items()})
         yield Hypothesis(Cause(Kind.differences, common(predicted), text, names=(how,), part=part), predicted)
-
-
-_DIFFERENCES: dict[str, Callable[[Samples, Samples], Samples]] = {
-    "central": np.gradient,
-    "backward": lambda values, time: (np.diff(values) / np.diff(time))[[0, *range(len(time) - 1)]],
-}
 
 
 def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:

@@ -144,10 +144,7 @@ class Evidence:
         return Hypothesis(replace(cause, amounts=tuple(amounts.tolist())), predicted, len(changes))
 
     def added(self, changes: Sequence[Channels], now: Channels | None = None) -> tuple[Samples, Channels]:
-        """Return the amounts of changes that leave least over, shape (k,), and the channels with them.
-
-        They are changed from what they should be, or from what they are `now`.
-        """
+        """The amounts, shape (k,), of changes to the truth or `now` that leave least, and the truth with them."""
         channels = [c for c in self.names if any(c in change for change in changes)]
         nothing = np.zeros(len(self.rows))
         basis = [[change.get(c, nothing) / self.scale[c] for c in channels] for change in changes]

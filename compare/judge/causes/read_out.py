@@ -153,7 +153,13 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     one, *others = {stem(channel) for channel in channels}
     if others:
         return
-    for (other, theirs, at_one_pin), (text, a, b) in product(_others(evidence, part), _OF_ANOTHER):
+    ways = (
+        ("{part} {is} that of {one}", 0, 1),
+        ("{part} {is} the opposite of that of {one}", 0, -1),
+        ("{part} {has} added to it that of {one}", 1, 1),
+        ("{part} {is} relative to that of {one}", 1, -1),
+    )
+    for (other, theirs, at_one_pin), (text, a, b) in product(_others(evidence, part), ways):
         relative = (a, b) == (1, -1) and quantity(channels[0]) in TURNING
         kind = Kind.pair if at_one_pin else Kind.frame if relative else Kind.copy
         predicted = {c: a * true[c] + b * true[t] for c, t in theirs.items()}
@@ -161,14 +167,6 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     for channel in (c for c in evidence.names if len(channels) == 1 and stem(c) == one and c != channels[0]):
         cause = part.cause(Kind.copy, "{part} is a copy of {one}", names=(channel,))
         yield Hypothesis(cause, {channels[0]: true[channel]}, CHOICE)
-
-
-_OF_ANOTHER = (
-    ("{part} {is} that of {one}", 0, 1),
-    ("{part} {is} the opposite of that of {one}", 0, -1),
-    ("{part} {has} added to it that of {one}", 1, 1),
-    ("{part} {is} relative to that of {one}", 1, -1),
-)
 
 
 def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str], bool]]:
