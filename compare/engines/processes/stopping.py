@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from signal import SIGINT, signal
 from types import FrameType
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
+Progress: TypeAlias = Callable[[str], None]  # called with what is being done, again and again; it may raise
 T = TypeVar("T")
 
 

@@ -20,6 +20,7 @@ from ...engines import registry
 from ...engines.kept import Kept
 from ...engines.processes.inside import Ended, Limits
 from ...engines.processes.isolation import isolated
+from ...engines.processes.stopping import Progress
 from ...engines.processes.stopping import kept as until_stopped
 from ...engines.registry import ORACLE, REFERENCE
 from ...judge.errors import worst_of
@@ -59,11 +60,7 @@ Row = dict[str, Any]
 
 
 def hard_cases(
-    ladders: Sequence[str],
-    engines: Sequence[str],
-    folder: Path,
-    progress: Callable[[str], None],
-    note: Callable[[str], None],
+    ladders: Sequence[str], engines: Sequence[str], folder: Path, progress: Progress, note: Callable[[str], None]
 ) -> pd.DataFrame:
     """One row an attempt, in the order of the ladders.
 

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
 from scenes.fields import put
-from scenes.model.motion import Samples, channels, quantity
+from scenes.model.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
@@ -58,10 +58,8 @@ def digits_lost(scene: Scene) -> pd.DataFrame:
     """One row a channel group: what the problem's condition allows, and what the reference loses.
 
     Where the speed is constant this is at equally spaced positions, at the one nearest to a lock, and close around it;
-    the switches of press forces, where forces jump and have no condition, are left out.
-
-    Raises:
-        Failure: one of the two models does not solve the scene.
+    the switches of press forces, where forces jump and have no condition, are left out. Failure where one of the two
+    models does not solve the scene.
     """
     solve = registry.reference(scene)
     to_lock = np.inf
@@ -72,9 +70,7 @@ def digits_lost(scene: Scene) -> pd.DataFrame:
     true = _certified(scene, request)
     decided, peaks = _decided(scene, solve, true), _peaks(scene, true)
     motion = solve(true[scene.drive_channel], true["time"])
-    errors = {
-        channel: np.where(decided, error, -1.0) for channel, error in relative_errors(motion, true, peaks).items()
-    }
+    errors = {c: np.where(decided, error, -1.0) for c, error in relative_errors(motion, true, peaks).items()}
     changes = _changes(scene, request, true, peaks)
     known = {"to_lock": to_lock, "kappa": float(Constraints(scene).condition(true).max())}
     table = []
@@ -91,10 +87,7 @@ def digits_lost(scene: Scene) -> pd.DataFrame:
 
 
 def nearest_lock(scene: Scene, solve: registry.Solve) -> tuple[float, float]:
-    """The position of the drive, rad or m, where a group is nearest to its lock, and how near, m.
-
-    Infinitely far where there is no group that locks at a length.
-    """
+    """The drive's position, rad or m, with a group nearest to a lock at a length, and how near, m; inf without one."""
     least, most = scene.drive.extent
     way = np.linspace(least, most, GRID)
     nearest, left = least, np.inf
@@ -142,20 +135,13 @@ def _decided(scene: Scene, solve: registry.Solve, true: Motion) -> NDArray[np.bo
 def _peaks(scene: Scene, motion: Motion) -> dict[str, float]:
     """By channel the largest magnitude, that of its vector for x and y; of one that is zero a natural size."""
     peak = {channel: float(magnitude(motion, channel).max()) for channel in channels(scene)}
-
-    def largest(*quantities: str) -> float:
-        return max((peak[channel] for channel in peak if quantity(channel) in quantities), default=0.0)
-
+    length = max((peak[channel] for channel in peak if quantity(channel) == "x"), default=0.0)
+    force = max((peak[channel] for channel in peak if UNITS[quantity(channel)] == "N"), default=0.0)
     rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent)))
-    length, force = largest("x"), largest("fx", "guide_force", "force")
-    natural = {"angle": 1.0, "omega": rate, "alpha": rate**2, "guide_moment": force * length, "torque": force * length}
-    natural |= dict.fromkeys(("x", "y"), length) | dict.fromkeys(("vx", "vy"), length * rate)
-    natural |= dict.fromkeys(("ax", "ay"), length * rate**2)
-    natural |= dict.fromkeys(("fx", "fy", "guide_force", "force"), force)
-    sizes = {channel: natural.get(quantity(channel), 0.0) for channel in peak}
-    return {
-        channel: value if value > ZERO * sizes[channel] else sizes[channel] or 1.0 for channel, value in peak.items()
-    }
+    natural = {"rad": 1.0, "rad/s": rate, "rad/s^2": rate**2, "N": force, "N*m": force * length}
+    natural |= {"m": length, "m/s": length * rate, "m/s^2": length * rate**2, "s": scene.drive.cycle}
+    sizes = {channel: natural[UNITS[quantity(channel)]] for channel in peak}
+    return {c: value if value > ZERO * sizes[c] else sizes[c] or 1.0 for c, value in peak.items()}
 
 
 def _changes(scene: Scene, request: Request, true: Motion, peaks: Mapping[str, float]) -> dict[str, Samples]:

@@ -11,7 +11,7 @@ An engine has maps if it has time steps (`at_steps` of its protocol), and the fi
 has an answer to how many sweeps they need (`iterations_needed`).
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import product
@@ -26,7 +26,7 @@ from scenes.fields import put
 from ...engines import registry
 from ...engines.outside import check_settings, stand_in
 from ...engines.processes.inside import Ended
-from ...engines.processes.stopping import kept
+from ...engines.processes.stopping import Progress, kept
 from ...engines.processes.workers import workers
 from ...engines.reasons import described
 from ...engines.runner import HERE, Runs
@@ -44,7 +44,6 @@ TURNS = (1, 3, 10, 30, 100)
 
 Variant: TypeAlias = tuple[str, Scene]
 Cell: TypeAlias = dict[str, object]
-Progress: TypeAlias = Callable[[str], None]
 Counts: TypeAlias = Sequence[int]
 
 
@@ -54,10 +53,8 @@ def stability_table(
     """All maps of a scene, one row a cell; a stop keeps what is done.
 
     `to_lock` are scenes ever closer to a lock; their labels are numbers. `error` is the largest relative error, NaN
-    where none is known; `needed` how many sweeps theory asks for, in the map of sweeps alone.
-
-    Raises:
-        InputError: the reference cannot solve the scene.
+    where none is known; `needed` how many sweeps theory asks for, in the map of sweeps alone. InputError where the
+    reference cannot solve the scene.
     """
     able = [engine for engine in engines if registry.engine(engine).at_steps]
     if not able:

@@ -1,6 +1,6 @@
 """A family of linkages: one scene with other numbers, each member solved by the reference and cross-checked."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from math import prod
@@ -14,6 +14,7 @@ from scenes.file.changes import label
 from scenes.model.motion import Samples, quantity
 
 from ...engines import registry
+from ...engines.processes.stopping import Progress
 from ...engines.processes.workers import workers
 from ...engines.reasons import described
 from ...engines.runner import Runs
@@ -29,7 +30,6 @@ from ...mechanics.round_off import Explained
 from .grid import VariedNumber
 
 MemberChanges: TypeAlias = Mapping[str, float]  # path in the scene file -> value, in the units of the file
-Progress: TypeAlias = Callable[[str], None]  # called with what is being done, again and again; it may raise
 
 DRAWN = ("displacement", "velocity", "acceleration", "effort")  # kinds of curves
 SHOWN = ("causes", "peaks")  # of a judgement, which are found by samples
@@ -112,7 +112,7 @@ def changed(file: str | Path, change: MemberChanges) -> Scene | Member:
 
 
 def solved_member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs, progress: Progress) -> Member:
-    """A member, whether it can run or not."""
+    """A member solved, certified and cross-checked, or why it cannot run."""
     try:
         return _member(asked, change, scene, runs, progress)
     except InputError as error:
@@ -124,7 +124,6 @@ def solved_member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs,
 
 
 def _member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs, progress: Progress) -> Member:
-    """Solve, certify and cross-check one member."""
     judged = judgement(solved(scene, runs=runs), asked.engines, asked.sampling, balanced, progress, runs)
     return Member(change, Status.ok.name, "", _cycle(judged), _kept(judged))
 
@@ -147,12 +146,9 @@ def _cycle(judged: Judgement) -> Cycle:
 
 
 def _kept(judged: Judgement) -> Judgement:
-    """A judgement without samples, of which two hundred members would take half a gigabyte, and what they show.
-
-    Motions keep the names of their channels.
-    """
+    """A judgement without samples, of which two hundred members would take half a gigabyte, and what they show."""
     nothing, measurements = np.empty(0), []
-    for m in judged.measurements:
+    for m in judged.measurements:  # whose motions keep the names of their channels
         names = m.run.motion and replace(m.run.motion, samples=dict.fromkeys(m.run.motion.samples, nothing))
         measurements.append(replace(m, run=replace(m.run, motion=names), comparison=None))
     mechanics, solve = Mechanics(judged.scene), copy(judged.reference.at)

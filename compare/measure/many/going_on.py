@@ -12,9 +12,10 @@ from scenes import Scene, Status, load, shipped
 from ...engines import registry
 from ...engines.kept import Kept, decoded, encoded
 from ...engines.processes.inside import Ended
+from ...engines.processes.stopping import Progress
 from ...engines.processes.workers import Lasting
 from ...mechanics.mechanics import Mechanics
-from .family import SHOWN, Asked, Member, MemberChanges, Progress, changed, members, solved_member
+from .family import SHOWN, Asked, Member, MemberChanges, changed, members, solved_member
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -87,9 +88,8 @@ def _by_workers(
     made = [(change, changed(asked.file, change)) for change in changes]
     yield from (member for _, member in made if isinstance(member, Member))
     tasks = [(change, scene) for change, scene in made if isinstance(scene, Scene)]
-    for (change, _), member in spread(
-        partial(_on_worker, asked), tasks, client, lambda: progress("waiting for workers")
-    ):
+    solve = partial(_on_worker, asked)
+    for (change, _), member in spread(solve, tasks, client, lambda: progress("waiting for workers")):
         yield Member(change, member.status.name, member.reason) if isinstance(member, Ended) else member
 
 

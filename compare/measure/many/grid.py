@@ -22,11 +22,7 @@ class VariedNumber:
 
 
 def variation(text: str) -> VariedNumber:
-    """Read `PATH=FROM:TO:COUNT`: evenly spaced values, both ends included.
-
-    Raises:
-        InputError: it does not read so.
-    """
+    """Read `PATH=FROM:TO:COUNT`, evenly spaced values, both ends included; InputError where it is not that."""
     path, _, span = text.partition("=")
     shown = one_line(text, 100)
     try:
@@ -43,11 +39,7 @@ def variation(text: str) -> VariedNumber:
 
 
 def grid(variations: Sequence[VariedNumber]) -> list[Mapping[str, float]]:
-    """The changes of every member, path -> value: all combinations, the last of the paths changing fastest.
-
-    Raises:
-        InputError: there are too many.
-    """
+    """Every member's changes, path -> value: all combinations, the last path fastest; InputError for too many."""
     count = prod(len(variation.values) for variation in variations)
     if count > MOST_MEMBERS:
         raise InputError(f"--vary: expected {MOST_MEMBERS} members at most, found {count}")

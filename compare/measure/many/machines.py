@@ -87,16 +87,10 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
         return Motion(answer.samples)
 
     time = np.arange(samples + 1) / samples * np.broadcast_to(many.drive.cycle, (count, 1))
-    switches = _no_switches if jumps(scene) else None
+    repeats, bends = scene.drive.repeats, partial(beyond, many)
+    switches = (lambda motion, _: np.zeros((*motion["time"].shape[:-1], 0))) if jumps(scene) else None
     with np.errstate(invalid="ignore"):  # of machines that do not run
-        motion = refined(
-            quantities,
-            solved(time),
-            solved,
-            repeats=scene.drive.repeats,
-            bends=partial(beyond, many),
-            switches=switches,
-        )
+        motion = refined(quantities, solved(time), solved, repeats=repeats, bends=bends, switches=switches)
     rows = np.flatnonzero([ended is Status.ok for ended in status])
     if not rows.size:
         return SolvedMachines(status, reason, rows, Motion({}), ())
@@ -106,10 +100,6 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     found = numbers(scene, quantities, motion, exact=True)
     placed = [n for n in found if n.row is not None or n.kind == STROKE]  # at one place, or between two; no sums
     return SolvedMachines(status, reason, rows, motion, placed)
-
-
-def _no_switches(motion: Motion, _: Samples) -> Samples:
-    return np.zeros((*motion["time"].shape[:-1], 0))
 
 
 def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
@@ -148,12 +138,9 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
 def _by_differences(
     scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
 ) -> Mapping[str, Samples]:
-    """The derivatives of channels that have no exact ones, shape (p, n): differences over twice a deviation.
-
-    Such a channel is known to few digits, so that the step is as large as what the linear model is for.
-    """
+    """The derivatives of channels that have no exact ones, shape (p, n): differences over twice a deviation."""
     size = {variation.path: variation.deviation for variation in scene.variations}
-    step = np.array([size[path] for path in paths])
+    step = np.array([size[path] for path in paths])  # as large as what they are for: such channels have few digits
     apart = np.concatenate([np.diag(step), -np.diag(step)])
     changes = dict(zip(paths, np.transpose(numbers_in(scene.file, paths) + apart), strict=True))
     there = registry.many(scene, changes, channels)(position, time)

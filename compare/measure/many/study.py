@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import nan
@@ -17,6 +17,7 @@ from scenes.model.motion import Samples
 from ...engines import registry
 from ...engines.processes.inside import Ended, Limits
 from ...engines.processes.isolation import isolated
+from ...engines.processes.stopping import Progress
 from ...engines.processes.workers import workers
 from ...judge.agreement import Judgement
 from ...judge.floor import establish
@@ -180,13 +181,9 @@ def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapp
 
 
 def begun(
-    scene: Scene, count: int, seed: int, engines: Sequence[str], sampling: Sampling, progress: Callable[[str], None]
+    scene: Scene, count: int, seed: int, engines: Sequence[str], sampling: Sampling, progress: Progress
 ) -> MonteCarlo:
-    """Cross-check the linkage as drawn, and return what its machines are held against; none is solved yet.
-
-    Raises:
-        InputError: the reference cannot solve it.
-    """
+    """The linkage as drawn, cross-checked; no machine is solved yet. InputError where the reference cannot solve it."""
     with workers([*engines, registry.ORACLE], lambda: None) as runs:
         reference = establish(scene, runs=runs)
         judged = judgement(reference, engines, sampling, balanced, progress, runs)

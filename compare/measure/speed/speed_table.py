@@ -11,7 +11,7 @@ from typing import Any
 from scenes import Sampling, Settings, Status
 
 from ...engines import registry
-from ...engines.processes.stopping import kept
+from ...engines.processes.stopping import Progress, kept
 from ...engines.registry import settings_of, tiers
 from ...engines.runner import HERE, Run, Runs
 from ...judge.measure import Measurement, measure
@@ -28,7 +28,7 @@ def speed_table(
     reference: Reference,
     engines: Iterable[str],
     budget: Budget,
-    progress: Callable[[str], None],
+    progress: Progress,
     channels: frozenset[str] | None = None,
     runs: Runs = HERE,
 ) -> list[SpeedRow]:
@@ -67,7 +67,7 @@ def steps_per_cycle(settings: Settings) -> int | None:
 
 
 def _error_runs(
-    measured: Callable[..., Measurement], engine: str, budget: Budget, progress: Callable[[str], None]
+    measured: Callable[..., Measurement], engine: str, budget: Budget, progress: Progress
 ) -> Iterator[tuple[Run, SpeedRow]]:
     """Every setting's error run and row; once one has taken too long, the finer ones of its family are not run."""
     too_slow: dict[str, int] = {}  # steps per cycle, by family

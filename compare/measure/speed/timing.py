@@ -10,7 +10,7 @@ from itertools import accumulate, chain, groupby
 from math import inf
 from typing import TypeAlias
 
-from ...engines.processes.stopping import kept
+from ...engines.processes.stopping import Progress, kept
 from ...engines.runner import Run
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
@@ -53,7 +53,7 @@ def take_turns(
     first: Sequence[Run],
     again: Again,
     budget: Budget,
-    progress: Callable[[str], None],
+    progress: Progress,
     in_doubt: Callable[[Sequence[float]], Collection[int]],
 ) -> list[Times]:
     """The times of every setting in the rounds; none of a slow one that decides nothing.
