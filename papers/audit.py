@@ -7,15 +7,15 @@ from compare.cli.command import Parser, command, shown_progress, starting
 with starting(__name__):
     import re
     from collections import Counter
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from dataclasses import asdict
     from pathlib import Path
 
     import pandas as pd
     from markupsafe import Markup, escape
 
+    from compare.engines.processes.stopping import Progress
     from compare.judge.floor import establish
-    from compare.report.figures.figure import Figure
     from compare.report.output.placing import check_writable, placed
     from compare.report.pages.html import render
     from compare.report.plain import json_text
@@ -50,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def audit(progress: Callable[[str], None]) -> tuple[dict[str, list[Claim]], list[str]]:
+def audit(progress: Progress) -> tuple[dict[str, list[Claim]], list[str]]:
     """Every claim by its source, with its verdict, and what a reader has to know."""
     progress("certifying the motions")
     notes = list(floors(establish(load(name)).floor for name in (*toggle_press.SCENES, *SCENES.values())))
@@ -64,28 +64,8 @@ def audit(progress: Callable[[str], None]) -> tuple[dict[str, list[Claim]], list
 
 
 def write(claims: Mapping[str, Sequence[Claim]], notes: Sequence[str], folder: Path) -> Path:
-    """Write `audit.json` and `audit.html` into `folder/audit/` and return that folder.
-
-    Raises:
-        InputError: the folder cannot be written; what it held is then unchanged.
-    """
-    figures = (*toggle_press.figures(), *clamp.figures())
-    rows = [
-        {"source": source} | asdict(claim) | {"verdict": str(claim.verdict)}
-        for source, of in claims.items()
-        for claim in of
-    ]  # printed numbers keep their digits as text
-    with placed(folder, "audit", FILES) as aside:
-        (aside / "audit.json").write_text(json_text(rows), encoding="utf-8")
-        (aside / "audit.html").write_text(page(claims, figures, notes), encoding="utf-8")
-    return folder / "audit"
-
-
-def page(
-    claims: Mapping[str, Sequence[Claim]], pictures: Iterable[tuple[str, str, Figure]], notes: Sequence[str]
-) -> str:
-    """The audit's page, given the claims by their source, pictures with titles and notes, and notes on all."""
-    return render(
+    """Write all into `folder/audit/` and return that; InputError where that cannot be, which leaves what was there."""
+    page = render(
         "audit.html",
         "papers",
         formula=_formula,
@@ -93,8 +73,17 @@ def page(
         notes=notes,
         claims=claims,
         columns=COLUMNS,
-        pictures=pictures,
+        pictures=(*toggle_press.figures(), *clamp.figures()),
     )
+    rows = [
+        {"source": source} | asdict(claim) | {"verdict": str(claim.verdict)}
+        for source, of in claims.items()
+        for claim in of
+    ]  # printed numbers keep their digits as text
+    with placed(folder, "audit", FILES) as aside:
+        (aside / "audit.json").write_text(json_text(rows), encoding="utf-8")
+        (aside / "audit.html").write_text(page, encoding="utf-8")
+    return folder / "audit"
 
 
 def overview(claims: Mapping[str, Sequence[Claim]]) -> pd.DataFrame:

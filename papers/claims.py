@@ -28,6 +28,7 @@ OPEN = (True, False)  # a claim in words that gives nothing to check
 
 V = TypeVar("V")
 Range: TypeAlias = tuple[float, float]
+Scale: TypeAlias = Mapping[str, tuple[float, str]]  # and unit, SI, by kind of quantity
 Difference: TypeAlias = Samples | NDArray[np.complex128]  # of an equation's two sides
 
 
@@ -70,10 +71,8 @@ class Equation(Generic[V]):
     note: str = ""
 
 
-def judge(
-    equation: Equation[V], variables: V, scale: Mapping[str, tuple[float, str]], tolerance: float = EXACT
-) -> Claim:
-    """The row of an equation over a motion, by the scale and unit, SI, of its kind; a form holds to the tolerance."""
+def judge(equation: Equation[V], variables: V, scale: Scale, tolerance: float = EXACT) -> Claim:
+    """The row of an equation over a motion; a form holds to the tolerance."""
     size, unit = scale[equation.kind]
     with np.errstate(invalid="ignore", divide="ignore"):  # a misprint may leave a root's domain, which is then its row
         printed = largest(equation.printed(variables)) / size

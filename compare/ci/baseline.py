@@ -27,8 +27,6 @@ LEAST = 1e-8  # relative change of a peak: less is made by its interpolation bet
 SHOWN = 3  # changes of a kind that a line names
 EPS = 1e-15  # in SI: what is left of a zero where a unit's conversion rounds
 LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
-
-
 BASE = {"m": "length", "kg": "mass", "N": "force", "rad": "angle"}  # what the scene's file names a unit of
 
 OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
@@ -131,10 +129,7 @@ def _few(texts: Sequence[str]) -> str:
 
 
 def _differences(old: Json, new: Json, scene: Json | None = None) -> Iterator[tuple[Place, str]]:
-    """What differs by more than round-off, and a text, with numbers of the scene in the units of its file.
-
-    What is nothing or empty is as what is not there.
-    """
+    """What differs by more than round-off, and a text, with numbers of the scene in the units of its file."""
     before, after = dict(_leaves(old)), dict(_leaves(new))
     for path in dict.fromkeys((*before, *after)):
         was, now = before.get(path, "none"), after.get(path, "none")
@@ -148,7 +143,7 @@ def _shown(value: Any, unit: str, size: float) -> str:
     return f"{value / size:.12g} {unit}".strip() if type(value) in (int, float) else one_line(str(value), 60)
 
 
-def _leaves(value: Any, path: Place = ()) -> Iterator[tuple[Place, Any]]:
+def _leaves(value: Any, path: Place = ()) -> Iterator[tuple[Place, Any]]:  # what is nothing or empty has none
     if isinstance(value, dict | list):
         for key, child in value.items() if isinstance(value, dict) else enumerate(value):
             yield from _leaves(child, (*path, key))
@@ -250,8 +245,7 @@ def unit_of(path: Place, scene: Json) -> tuple[str, float]:
     if quantity is None:
         return "", 1.0
     slides = scene["bodies"][scene["drive"]["body"]]["slide"] is not None
-    name, size = units_of_all(scene["units"], slides=slides)[quantity.dimension]
-    return name, size
+    return units_of_all(scene["units"], slides=slides)[quantity.dimension]
 
 
 def in_file(si: str, scene: Json) -> tuple[str, float]:

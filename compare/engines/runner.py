@@ -71,10 +71,7 @@ class Runs:
     """Runs engines in this process; `processes.workers.Workers` runs each in one of its own."""
 
     def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
-        """Build, solve and read, each timed apart; what comes back is not looked at, see `complete`.
-
-        No settings are the engine's default.
-        """
+        """Build, solve and read, each timed apart, at the default settings if None; `complete` looks at what comes."""
         (ended,) = self._runs(name, scene, request, [settings], reads=True)
         return ended
 
@@ -177,10 +174,8 @@ def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
         return outcome
     joints = (*scene.moving_points, *scene.bodies)
     asked = {*request.wanted(scene), *(f"{joint}.{kind}" for joint in joints for kind in OF_GROUPS)}
-    samples, unsupported = outcome.motion.samples, outcome.motion.unsupported
-    motion = Motion(
-        {c: samples[c] for c in samples if c in asked}, {c: unsupported[c] for c in unsupported if c in asked}
-    )
+    samples, reasons = outcome.motion.samples, outcome.motion.unsupported
+    motion = Motion({c: samples[c] for c in samples if c in asked}, {c: reasons[c] for c in reasons if c in asked})
     if outcome.status is not Status.ok:
         return replace(outcome, motion=_usable(motion, scene, request))
     engine = outcome.engine  # or another program, whose result has the channels of its file
@@ -202,16 +197,14 @@ def _usable(motion: Motion | None, scene: Scene, request: Rows) -> Motion | None
 
 
 def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: bool) -> None:
-    """Refuse a result that is short, holds NaN, is of other instants, repeats rows, or lacks a channel.
-
-    A channel may be missing for a reason where the engine gives not every quantity, and none such of another joint.
-    """
+    """Refuse a result that is short, holds NaN, is of other instants, repeats rows, or lacks a channel."""
     wanted = request.wanted(scene)
     given = {quantity(channel) for channel in wanted if channel in motion}
     for channel in wanted:
         if channel not in motion:
             if channel not in motion.unsupported:
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
+            # it may where the engine gives not every quantity, and none such of another joint
             if everything or quantity(channel) in given or channel in ("time", scene.drive_channel):
                 why = f"{channel} is missing, which the engine gives elsewhere: {motion.unsupported[channel]}"
                 raise Failure(Status.unsupported, why, motion)

@@ -16,7 +16,7 @@ from scenes import Failure, InputError, Scene
 from scenes.model.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
-from ..engines import registry
+from ..engines.registry import Solve, reference
 from .frame import KNOWN, OF_ANGLES, VECTORS, Frame, seen, unit_near
 from .proposal_text import NOISE, TOLD_APART, Axis, Pair, as_toml
 from .result import name_and_file
@@ -39,7 +39,7 @@ def proposed(scene: Scene, text: str) -> str:
     try:
         table = read_table(file, None, None)
         names, columns = _numbers(table)
-        solve = registry.reference(scene)
+        solve = reference(scene)
         axis, alone = _nearest(scene, solve, names, columns)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
@@ -98,13 +98,8 @@ def _axes(scene: Scene, names: Sequence[str], columns: NDArray[np.float64]) -> I
                     yield Axis("crank_angle", name, unit, time)
 
 
-def _nearest(
-    scene: Scene, solve: registry.Solve, names: Sequence[str], columns: NDArray[np.float64]
-) -> tuple[Axis, bool]:
-    """Return the axis, late as it is, at which the channels leave least of all columns, and whether no others do.
-
-    A point on the crank alone does not show a lag: it may as well be the turn of a frame.
-    """
+def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[np.float64]) -> tuple[Axis, bool]:
+    """Return the axis, late as it is, at which the channels leave least of all columns, and whether no others do."""
     from scipy.optimize import minimize_scalar
 
     cycle, repeats = scene.drive.cycle, scene.drive.repeats
@@ -158,6 +153,7 @@ def _nearest(
     moves = [way * cycle / 2**k for k in range(1, FINEST) for way in (1, -1)]
     tried += at(best, [best.lag + by for by in (*moves, *steps)])
     lag = best.lag - cycle if repeats and best.lag > cycle / 2 else best.lag
+    # a point on the crank alone does not show a lag: it may as well be the turn of a frame
     return best._replace(lag=lag), not any(as_good(one, best) and apart(one, best) for one in tried)
 
 

@@ -15,8 +15,6 @@ SAME_ZERO = 2e-3  # relative: places of one origin
 SURE = 1e-3  # of a column: what its channel leaves at most
 NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
 TOLD_APART = 10  # times as much is left by readings that a column tells apart
-
-
 NOTHING = np.zeros(0)
 
 

@@ -26,7 +26,6 @@ Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
 
 REVERSED = ("vx", "vy", "omega")  # where time runs the other way
 EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ; and of a cycle its end
-
 BEYOND = 1e-2  # of a cycle: so far decimals may put a row outside the run of the drive
 
 
@@ -60,9 +59,8 @@ class Result:
             given_are = one_line(", ".join(sorted(given)), 60)
             raise InputError(f"arguments: --channels: expected one that {self.run.engine} gives: {given_are}")
         samples = {c: v for c, v in self.run.motion.samples.items() if c not in given or c in asked}
-        return replace(
-            self, request=replace(self.request, channels=given & asked), run=replace(self.run, motion=Motion(samples))
-        )
+        request = replace(self.request, channels=given & asked)
+        return replace(self, request=request, run=replace(self.run, motion=Motion(samples)))
 
 
 def read_results(scenes: Sequence[Scene], texts: Sequence[str], asked: frozenset[str] | None) -> list[Result]:

@@ -57,14 +57,12 @@ def _float(text: str) -> float:
 
 
 def _written(text: str) -> tuple[int, int, float]:
-    """Return a number's decimals, its digits but for zeros in front, and the power of ten of the first; -inf of zero.
-
-    The decimals are negative where the power of ten is larger.
-    """
+    """A number's decimals, its digits but for zeros in front, and the power of ten of the first; -inf of zero."""
     number = NUMBER.fullmatch(text)
     assert number
     whole, part, power = number[1] or "", number[2] or "", int(number[3] or 0)
     digits = (whole + part).lstrip("0")
+    # the decimals are negative where the power of ten is larger
     return len(part) - power, len(digits), len(digits) - len(part) - 1 + power if digits else -np.inf
 
 
@@ -104,9 +102,8 @@ def _separator(head: str) -> str:
     if len(separators) == 1:
         return separators[0]
     names = " and ".join(SEPARATORS[each] for each in separators)
-    instead = (
-        f"{names}; 'separator' in the mapping sets it" if names else f"none in the first line, '{one_line(head, 40)}'"
-    )
+    none = f"none in the first line, '{one_line(head, 40)}'"
+    instead = f"{names}; 'separator' in the mapping sets it" if names else none
     raise InputError(f"expected either commas, semicolons or tabs between the column names, found {instead}")
 
 

@@ -43,11 +43,9 @@ def by_engines(report: Callable[[str], None]) -> Iterator[Claim]:
     """A row for each formula by each engine; engines that cannot run are reported through `report`."""
     for engine in ENGINES:
         try:
-            rows = list(_by_engine(engine))
+            yield from list(_by_engine(engine))
         except Failure as failure:
             report(f"No row by {engine}: {failure.status.name}: {failure.reason}.")
-            continue
-        yield from rows
 
 
 def _by_engine(engine: str) -> Iterator[Claim]:

@@ -1,7 +1,4 @@
-"""Double-toggle clamp: the printed formulas as equations, each judged on a motion of the clamp.
-
-A formula takes what it needs of others from the motion.
-"""
+"""Double-toggle clamp: the printed formulas as equations on its motion, which has what they need of each other."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +10,7 @@ from compare.mechanics.motion_vectors import MotionVectors
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
 
-from ..claims import Equation
+from ..claims import Equation, Scale
 from . import formulas
 from .formulas import Design, Pose
 
@@ -71,7 +68,7 @@ KINDS: Mapping[str, tuple[str, str, int, int]] = {
 length, ratio, rate, rate_squared, acceleration, force = (partial(Equation[Moving], kind) for kind in KINDS)
 
 
-def scale(v: Moving) -> Mapping[str, tuple[float, str]]:
+def scale(v: Moving) -> Scale:
     """Return scale and unit of each kind of quantity."""
     L, V = float(v.L1.max()), float(v.Vo.max())
     return {kind: (L**of_L * V**of_V, unit) for kind, (_, unit, of_L, of_V) in KINDS.items()}

@@ -5,7 +5,7 @@ Those signs are taken with which most of the printed equations hold. An equation
 is inconsistent with the others.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -20,7 +20,7 @@ from scenes import Motion, Scene, load
 from scenes.elements.loads import Force
 from scenes.model.motion import Samples
 
-from ..claims import EXACT, Claim, Difference, Verdict, judge, largest, solved
+from ..claims import EXACT, Claim, Difference, Scale, Verdict, judge, largest, solved
 from ..written import equation
 from .kinematics import bars
 
@@ -35,8 +35,6 @@ COMPONENTS = {
     "rod": ("P4", "Ls₄", "m₄ S̈₄x", "m₄ S̈₄y", "J₄α₄"),
     "slider": ("P5", "", "", "m₅α₅", ""),
 }
-
-
 Statics: TypeAlias = dict[str, Any]  # the paper's symbols, SI; forces of shape (n,), or (m, n) for m choices of signs
 force, moment = (partial(equation, kind) for kind in ("force", "moment"))
 
@@ -107,7 +105,7 @@ def claims() -> Iterator[Claim]:
     yield _solved(chosen)
 
 
-def scale_of(s: Statics) -> Mapping[str, tuple[float, str]]:
+def scale_of(s: Statics) -> Scale:
     """Scale and unit of each kind of equation: the largest force, and that times l1 = 300 mm."""
     force = max(largest(s[name]) for name in FORCES)
     return {"force": (force, "N"), "moment": (force * s["L₁"], "N m")}
@@ -154,8 +152,8 @@ def _solved(s: Statics) -> Claim:
     corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
     torque = largest(s["M_d"])
     off = largest(printed["M_d"] - s["M_d"]) / torque
-    worst = max(largest(corrected[name] - s[name]) for name in FORCES) / scale_of(s)["force"][0]
-    worst = max(worst, largest(corrected["M_d"] - s["M_d"]) / torque)
+    sizes = dict.fromkeys(FORCES, scale_of(s)["force"][0]) | {"M_d": torque}
+    worst = max(largest(corrected[name] - s[name]) / size for name, size in sizes.items())
     return Claim(
         "eq 28 to 32, solved",
         "14 equations for 12 pin forces and M_d",

@@ -6,7 +6,6 @@ are those over turns of the crank that the reference solves: a form, the differe
 what it needs of other equations from the motion, so that each misprint counts once, where it stands.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from math import tau
@@ -20,7 +19,7 @@ from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion, load
 from scenes.drive import Driven, MotionLaw
 
-from ..claims import solved
+from ..claims import Scale, solved
 from ..written import Symbols, equation
 
 SAMPLES = 720  # a turn
@@ -40,7 +39,7 @@ class Uneven(MotionLaw):
         return Driven(turned + SWAY * sin(turned), w * (1 + SWAY * cos(turned)), -SWAY * w**2 * sin(turned))
 
 
-def scale_of(v: Symbols) -> Mapping[str, tuple[float, str]]:
+def scale_of(v: Symbols) -> Scale:
     """Return scale and unit of each kind of equation: l1 = 300 mm, the crank's peak rate, and their products."""
     length, w = v["l₁"], float(np.abs(v["ω"]).max())
     return {

@@ -112,15 +112,14 @@ def spread(
 ) -> Iterator[tuple[Item, Result | Ended]]:
     """Yield every item with what the function returns for it on a worker, or how it ended, as they come.
 
+    InputError where a worker has another version of this project or of what it needs, or the scheduler has gone.
+
     Args:
         function: importable on every worker, or a partial of such a one.
         items: what it is called with, one after the other on each worker.
         client: of the cluster; see `cluster`.
         poll: called again and again, and may raise: then what has not begun never will.
         again: whether what was on several workers that died is tried once more, by itself.
-
-    Raises:
-        InputError: a worker has another version of this project or of what it needs, or the scheduler has gone.
     """
     from dask.distributed import KilledWorker
 

@@ -138,10 +138,7 @@ def _end_with_parent() -> None:
 
 
 def _begin_guarded(parent: int, own: int) -> None:
-    """Return in a new process. Its guard, this one, ends when and as that ends, or by SIGTERM, or with its parent.
-
-    The new process alone has `own` open, a file.
-    """
+    """Return in a new process. Its guard, this one, ends when and as that ends, or by SIGTERM, or with its parent."""
     system, awaited = CDLL(None), {signal.SIGTERM, signal.SIGCHLD}
     signal.pthread_sigmask(signal.SIG_BLOCK, awaited)
     system.prctl(PR_SET_CHILD_SUBREAPER, 1)
@@ -152,7 +149,7 @@ def _begin_guarded(parent: int, own: int) -> None:
         _end_with(system, guard, signal.SIGKILL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, awaited)
         return
-    os.close(own)
+    os.close(own)  # which the new process alone has open
     ended = status = 0
     while ended != guarded and signal.sigwait(awaited) == signal.SIGCHLD:
         ended, status = os.waitpid(guarded, os.WNOHANG)

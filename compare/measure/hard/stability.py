@@ -42,14 +42,12 @@ SWEEPS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 MASS_FACTORS = (1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3)
 TURNS = (1, 3, 10, 30, 100)
 
-Variant: TypeAlias = tuple[str, Scene]
+Variants: TypeAlias = Sequence[tuple[str, Scene]]
 Cell: TypeAlias = dict[str, object]
 Counts: TypeAlias = Sequence[int]
 
 
-def stability_table(
-    scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], progress: Progress
-) -> pd.DataFrame:
+def stability_table(scene: Scene, engines: Iterable[str], to_lock: Variants, progress: Progress) -> pd.DataFrame:
     """All maps of a scene, one row a cell; a stop keeps what is done.
 
     `to_lock` are scenes ever closer to a lock; their labels are numbers. `error` is the largest relative error, NaN
@@ -89,12 +87,7 @@ def over_sweeps(
 
 
 def over_variants(
-    kind: str,
-    variants: Sequence[Variant],
-    engines: Sequence[str],
-    show: Progress,
-    up: Counts = STEPS,
-    runs: Runs = HERE,
+    kind: str, variants: Variants, engines: Sequence[str], show: Progress, up: Counts = STEPS, runs: Runs = HERE
 ) -> Iterator[Cell]:
     """Yield steps a cycle against scenes, whose labels are numbers."""
     for label, scene in variants:
@@ -115,7 +108,7 @@ def over_turns(
         yield _cell(("drift", engine, str(number), steps), reference, runs, turns=number)
 
 
-def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Variant]:
+def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> Variants:
     """The scene with its heaviest body lighter and heavier, by factor."""
     heaviest = max(scene.bodies.values(), key=lambda body: body.mass or 0.0).weighed
     scene = put(scene, {("bodies", heaviest.name): heaviest})

@@ -1,10 +1,11 @@
 """The outcome checked by full dynamic models that know nothing of the formulas."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from compare.engines.processes.stopping import Progress
 from compare.engines.runner import HERE
 from compare.judge.floor import establish
 from compare.judge.measure import Measurement, measure
@@ -34,9 +35,7 @@ class Recheck:
     errors: Mapping[str, float]  # relative to the reference, the largest by channel group
 
 
-def rechecks(
-    designs: Mapping[str, Design], engines: Sequence[str], progress: Callable[[str], None]
-) -> Iterator[Recheck]:
+def rechecks(designs: Mapping[str, Design], engines: Sequence[str], progress: Progress) -> Iterator[Recheck]:
     """Each design by each engine; InputError where the reference cannot solve one of them."""
     for name, d in designs.items():
         reference = establish(locking(d))

@@ -40,11 +40,7 @@ class DesignStudy:
 
 
 def write(outcome: DesignStudy, folder: Path) -> Path:
-    """Write `design.html`, `design.csv` and `design.json` into `folder/design/` and return that folder.
-
-    Raises:
-        InputError: the folder cannot be written; what it held is then unchanged.
-    """
+    """Write all into `folder/design/` and return that; InputError where that cannot be, which leaves what was there."""
     rows = tables.rows(outcome.points)
     with placed(folder, "design", FILES) as aside:
         pd.DataFrame(rows).to_csv(aside / "design.csv", index=False)

@@ -16,9 +16,7 @@ STEP = 1e-30  # of the complex step: its error is STEP^2, and nothing cancels (S
 FAR = 1e3  # the objective where a design does not assemble; a feasible one has about one
 
 VARIABLES = tuple(BOUNDS)
-LOWER, UPPER = (
-    np.array([limits[end] * UNITS[Design._fields.index(name)] for name, limits in BOUNDS.items()]) for end in (0, 1)
-)
+LOWER, UPPER = np.transpose([np.multiply(UNITS[Design._fields.index(name)], ends) for name, ends in BOUNDS.items()])
 
 Vector = NDArray[np.float64]
 
@@ -154,7 +152,6 @@ def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
         args=(problem,),
         maxiter=GENERATIONS,
         popsize=POPULATION,
-        mutation=(0.5, 1.0),
         recombination=0.9,
         init="sobol",
         tol=ALIKE,

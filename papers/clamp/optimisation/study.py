@@ -6,7 +6,7 @@ which both published designs can be; the curve under other assumptions too. Last
 scheme 4.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count, product
 from typing import TypeAlias
@@ -15,6 +15,7 @@ import numpy as np
 
 from compare.engines.processes.inside import Ended, Limits
 from compare.engines.processes.isolation import isolated
+from compare.engines.processes.stopping import Progress
 
 from ..constraints import ALONE, BOTH, LITERAL, LOOSEST, Clearance, slacks
 from ..formulas import SCHEME_4
@@ -60,7 +61,7 @@ class Effort:
 Task: TypeAlias = tuple[str, str, Problem, Effort]
 
 
-def study(effort: Effort, ratios: Sequence[float], progress: Callable[[str], None]) -> list[Point]:
+def study(effort: Effort, ratios: Sequence[float], progress: Progress) -> list[Point]:
     """Every point, set by set; `progress` takes what was done last."""
     half = replace(effort, starts=max(effort.starts // 2, 1))  # for all that is not in the source
     again = replace(half, restarts=0)
