@@ -96,10 +96,8 @@ def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
     needed: list[Samples] = []
     for body in mechanics.scene.bodies.values():
         first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
-        force = (body.mass or 0.0) * acceleration
-        moment = (
-            mechanics.inertia[body.name] * state.angle(body.name, "alpha") + ((com - first).conjugate() * force).imag
-        )
+        force, alpha = (body.mass or 0.0) * acceleration, state.angle(body.name, "alpha")
+        moment = mechanics.inertia[body.name] * alpha + ((com - first).conjugate() * force).imag
         for push in applied(state, body):
             force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag - push.moment
         needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]

@@ -181,10 +181,8 @@ def each_check_alone(sign: int, copy: Thinned) -> bool:
         all(alone.values())  # a check that is not made notices nothing
         and stops(copy, measured)
         and (not scene.has_masses or _balances_notice(copy, sign * FAR))  # single forces, since much cancels in them
-        and all(
-            judged(copy.run, own).status is not Status.ok
-            for own in (*(alone[name] for name in names - BLIND), *one_by_one)
-        )
+        and all(judged(copy.run, own).status is not Status.ok for own in one_by_one)
+        and all(judged(copy.run, alone[name]).status is not Status.ok for name in names - BLIND)
     )
 
 
