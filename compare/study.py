@@ -14,7 +14,7 @@ from .judge.agreement import Judgement
 from .judge.errors import group_floors
 from .judge.floor import establish
 from .judge.judgement import Offers, judgement
-from .judge.measure import Measurement, offers, promising
+from .judge.measure import offers, promising
 from .measure.speed import work_precision
 from .measure.speed.row import SpeedRow
 from .measure.speed.speed_table import speed_table
@@ -105,7 +105,7 @@ def study(
         speed = speed_table(reference, able, budget, report, sampling.channels, runs)
         judged = first or judged_by(speed)
     names = [*engines, *(result.run.engine for result in results)]
-    judged.reasons.extend(_left_out(names, judged.measurements, able, speed, budget))
+    judged.reasons.extend(_left_out(names, len(judged.measurements), able, len(speed), full=budget.full))
     return Study.of(judged, speed)
 
 
@@ -140,12 +140,10 @@ def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
     return by_name if isinstance(accuracy, str) else by_error
 
 
-def _left_out(
-    names: Sequence[str], measurements: list[Measurement], able: list[str], speed: Sequence[SpeedRow], budget: Budget
-) -> Iterator[str]:
-    """Yield what is not there because the user stopped."""
-    if left := names[len(measurements) :]:
+def _left_out(names: Sequence[str], done: int, able: Sequence[str], measured: int, *, full: bool) -> Iterator[str]:
+    """Yield what is not there because the user stopped: runs beyond those done, settings beyond those measured."""
+    if left := names[done:]:
         yield f"stopped before running {', '.join(left)}"
-    settings = sum(len(settings_of(engine, full=budget.full)) for engine in able)
-    if len(speed) < settings:
-        yield f"stopped when {len(speed)} of {settings} settings had been measured, and none timed"
+    settings = sum(len(settings_of(engine, full=full)) for engine in able)
+    if measured < settings:
+        yield f"stopped when {measured} of {settings} settings had been measured, and none timed"

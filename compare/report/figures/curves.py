@@ -99,12 +99,11 @@ def _force_panels(reference: Reference) -> Iterator[Panel]:
         factor, unit = (per_newton, newtons) if name == "force" else (per_moment, moments)
         return PlottedCurve(name, unit, {f"{stem}{name}": factor})
 
-    for body in scene.bodies.values():
-        if body.slide is not None:
-            curves = [effort(f"{body.name}.guide_", name) for name in ("force", "moment")]
-            title = f"force [{newtons}], moment [{moments}]"
-            judged = [channel for curve in curves for channel in curve.factors]
-            yield Panel(f"Guide: force and moment on {body.name}", title, curves, judged)
+    for body in scene.slides:
+        curves = [effort(f"{body}.guide_", name) for name in ("force", "moment")]
+        judged = [channel for curve in curves for channel in curve.factors]
+        title = f"force [{newtons}], moment [{moments}]"
+        yield Panel(f"Guide: force and moment on {body}", title, curves, judged)
     drive = effort("drive.", "torque" if scene.driven_slide is None else "force")
     title = f"Drive: {drive.name} on {scene.drive.body}"
     yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [*drive.factors])
@@ -154,11 +153,10 @@ def assur_groups(study: Study) -> Figure | None:
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = units(study.reference)["m"]
     factors = {"transmission": 180 / np.pi, "to_lock": per_metre}
-    rows = {
-        measured: {c.rpartition(".")[0]: factor * motion[c] for c in motion.samples if quantity(c) == measured}
-        for measured, factor in factors.items()
-    }  # values by joint
-    rows = {measured: curves for measured, curves in rows.items() if curves}
+    rows: dict[str, dict[str, Samples]] = {}  # values by what is measured, and joint
+    for channel in motion.samples:
+        if (measured := quantity(channel)) in factors:
+            rows.setdefault(measured, {})[channel.rpartition(".")[0]] = factors[measured] * motion[channel]
     if not rows or study.sampling.channels is not None:
         return None
     joints = list(dict.fromkeys(joint for curves in rows.values() for joint in curves))

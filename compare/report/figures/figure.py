@@ -35,9 +35,7 @@ HEADING = {"font": {"size": 16}, "xanchor": "center", "yanchor": "bottom", "xref
 class Figure:
     """Panels with traces in them, counted from 1, row by row; see `stacked`, `side_by_side` and `grid`."""
 
-    def __init__(
-        self, heights: Sequence[float], columns: int, titles: Sequence[str], gaps: tuple[float, float]
-    ) -> None:
+    def __init__(self, heights: Sequence[float], columns: int, titles: Sequence[str], gaps: Sequence[float]) -> None:
         """Begin with empty panels: relative heights of rows, titles of the first panels, gaps of columns and rows."""
         self.traces: list[dict[str, Any]] = []
         self.layout: dict[str, Any] = {}

@@ -95,5 +95,4 @@ def variance_shares(study: MonteCarlo) -> Figure:
         left += share
     figure.update_xaxes(title="share of the variance [%]", range=[0, 100])
     figure.update_yaxes(automargin=True)
-    arranged = layout(140 + 26 * len(shown)) | {"legend": LEGEND_BESIDE, "barmode": "overlay"}
-    return figure.update_layout(arranged)
+    return figure.update_layout(layout(140 + 26 * len(shown)) | {"legend": LEGEND_BESIDE, "barmode": "overlay"})

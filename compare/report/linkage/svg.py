@@ -1,8 +1,7 @@
 """The linkage as one SVG: at the first sample of a motion, or moving by itself.
 
-Its signs are bars, plates, blocks on their guides, pins, ground, springs, arrows. Each is drawn once in the frame of
-its body; what is not to scale, as a pin, is in pixels (class `sign`), and what scales along its x alone, as a guide, is
-so across (class `across`).
+Each sign is drawn once in the frame of its body; what is not to scale, as a pin, is in pixels (class `sign`), and what
+scales along its x alone, as a guide, is so across (class `across`).
 """
 
 from collections.abc import Iterable, Iterator, Sequence

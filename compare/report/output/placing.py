@@ -49,9 +49,8 @@ def _in_the_way(place: Path, own: Sequence[str]) -> str:
         return f"{existing} is a file"
     longest = os.pathconf(existing, "PC_NAME_MAX") if hasattr(os, "pathconf") else 255
     new = (*place.absolute().relative_to(existing).parts, _aside(place).name + OLDER)
-    for part in new:
-        if len(os.fsencode(part)) > longest:
-            return f"a name has {longest} bytes at most there"
+    if any(len(os.fsencode(part)) > longest for part in new):
+        return f"a name has {longest} bytes at most there"
     place = place.resolve()
     if os.path.ismount(place):
         return f"{place} is where a disk is mounted"
@@ -172,11 +171,8 @@ def _exchanged(one: Path, other: Path) -> bool:
 
 @contextmanager
 def _locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
-    """Have the lock of a folder, which goes with the process that holds it; yield whether it is ours.
-
-    It is not where another run has it, or there are no locks on this system.
-    """
-    if sys.platform == "win32":
+    """Have the lock of a folder, which goes with the process that holds it; yield whether it is ours."""
+    if sys.platform == "win32":  # there are no such locks
         yield False
         return
     from fcntl import LOCK_EX, LOCK_NB, flock
@@ -195,6 +191,6 @@ def _locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
                     print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
                 flock(file, LOCK_EX | (0 if wait else LOCK_NB))
             ours = True
-        except OSError:
+        except OSError:  # it is another run's
             ours = False
         yield ours

@@ -45,9 +45,8 @@ class ByteCode(FileSystemBytecodeCache):
 
 @cache
 def _templates(package: str) -> Environment:
-    packages = dict.fromkeys((package, HERE, LINKAGE))
     templates = Environment(
-        loader=ChoiceLoader([PackageLoader(package, "") for package in packages]),
+        loader=ChoiceLoader([PackageLoader(name, "") for name in dict.fromkeys((package, HERE, LINKAGE))]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

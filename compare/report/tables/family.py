@@ -122,9 +122,8 @@ def on_a_line(family: Family, member: Member) -> str:
 
 def setup(family: Family) -> str:
     """What is varied, in one sentence."""
-    spans = (
-        f"{v.path} from {v.values[0]:.6g} to {v.values[-1]:.6g}, {len(v.values)} values" for v in family.variations
-    )
+    varied = family.variations
+    spans = (f"{v.path} from {v.values[0]:.6g} to {v.values[-1]:.6g}, {len(v.values)} values" for v in varied)
     return f"Varied, in the units of the file: {'; '.join(spans)}."
 
 
@@ -181,7 +180,6 @@ def failures(family: Family) -> list[str]:
 
 def notes(family: Family) -> list[str]:
     """How far the reference may be off, which members cannot run, and which engines fail on which; and why."""
-    sentences = [*floors(m.judgement.reference.floor for m in family.members if m.judgement is not None)]
+    sentences = [*floors(m.judgement.reference.floor for m in family.members if m.judgement), *failures(family)]
     failed = [(of, m.run) for of in family.members for m in of.measurements if m.run.status is not Status.ok]
-    sentences += failures(family)
     return sentences + [f"{label(family, of)}: {run.engine}: {run.status.name}: {run.reason}" for of, run in failed]
