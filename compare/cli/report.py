@@ -94,11 +94,10 @@ def print_result(result: "Study") -> None:
     from ..report.tables import speed as speed_tables
     from ..report.tables.study import verdict
 
-    groups = shown_groups(result.scene)
     print(f"{result.scene.name}  {verdict(result)}")
     for m in result.measurements:
-        worst = m.worst()
-        errors = "  ".join(f"{group} {worst[group]:.1e}" for group in groups if not isnan(worst.get(group, nan)))
+        worst = {group: m.worst().get(group, nan) for group in shown_groups(result.scene)}
+        errors = "  ".join(f"{group} {error:.1e}" for group, error in worst.items() if not isnan(error))
         print(f"{result.scene.name}  {m.run.engine:14} {m.run.status.name:15} {errors}")
     known = [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
     known += [f"likely cause: {cause}" for cause in result.causes.values()]

@@ -22,8 +22,7 @@ TINY = 1e-4  # in its unit: what is less has a power of ten
 def units(*references: Reference) -> Units:
     """Units of a page, of all its scenes: one for each kind of quantity, in which its peak reads between 1 and 10,000.
 
-    Lengths and their rates are in the unit of the scene's file where it suits them. What a page has one of, work and
-    power, is not among them.
+    Lengths and their rates are in the unit of the scene's file where it suits them; work and power are not among them.
     """
     name, size = references[0].scene.length_unit
     of_the_file = {"m": name, "m/s": f"{name}/s", "m/s^2": f"{name}/s²"}
@@ -39,8 +38,7 @@ def units(*references: Reference) -> Units:
 def written(value: float, unit: str, units: Units, *, digits: int = 0, sign: str = "") -> str:
     """A quantity in SI in the unit of the page, or else with the prefix that suits it: `84.2 kN`.
 
-    Digits are significant ones, 0 for as many as such a quantity mostly has; the sign is `+` where a positive one has
-    it too.
+    Digits are significant ones, 0 for as many as such a quantity mostly has; `+` is a sign for positive ones too.
     """
     if isnan(value):
         return "–"

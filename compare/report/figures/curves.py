@@ -153,10 +153,11 @@ def assur_groups(study: Study) -> Figure | None:
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = units(study.reference)["m"]
     factors = {"transmission": 180 / np.pi, "to_lock": per_metre}
-    rows: dict[str, dict[str, Samples]] = {}  # values by what is measured, and joint
-    for channel in motion.samples:
-        if (measured := quantity(channel)) in factors:
-            rows.setdefault(measured, {})[channel.rpartition(".")[0]] = factors[measured] * motion[channel]
+    rows = {
+        measured: {c.rpartition(".")[0]: factor * motion[c] for c in motion.samples if quantity(c) == measured}
+        for measured, factor in factors.items()
+    }  # values by joint
+    rows = {measured: curves for measured, curves in rows.items() if curves}
     if not rows or study.sampling.channels is not None:
         return None
     joints = list(dict.fromkeys(joint for curves in rows.values() for joint in curves))

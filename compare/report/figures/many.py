@@ -62,10 +62,9 @@ def histograms(study: MonteCarlo) -> Figure:
     """Draw the density of each number over the machines, and that of the linear model beside it."""
     named, shown = shown_units(study), moving(study)
     figure = grid([capital(s.name) for s in shown], COLUMNS)
-    numbers = [s.name for s in study.spreads]
+    by_name = dict(zip((s.name for s in study.spreads), study.values.T, strict=True))
     for number, s in enumerate(shown, start=1):
-        values = study.values[:, numbers.index(s.name)]
-        values = values[~np.isnan(values)]
+        values = by_name[s.name][~np.isnan(by_name[s.name])]
         factor, unit = named.get(s.unit) or prefixed(abs(s.nominal), s.unit)
         density, edges = np.histogram(factor * values, min(BINS, max(10, int(values.size**0.5))), density=True)
         steps = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(density, 2), [0.0]])

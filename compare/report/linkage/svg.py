@@ -71,8 +71,7 @@ def by_itself(drawing: Drawing, frames: int) -> str:
 def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
     """A drawing at its first sample, its style as the first child, and what in it moves, arrows in their order.
 
-    A group that moves names what moves it: `data-point`, where it is; `data-turn`, the body it turns with; `data-to`,
-    the point at the other end of a spring.
+    A group that moves says by what: `data-point`, where it is; `data-turn`, its body; `data-to`, a spring's other end.
     """
     (width, height), scene = drawing.size, drawing.scene
     label = f"{scene.title} at {scene.where(float(drawing.motion[scene.drive_channel][0]))}"
