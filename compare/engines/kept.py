@@ -89,10 +89,9 @@ class Kept:
 @cache
 def environment() -> dict[str, str]:
     """Return the machine's and the packages' versions."""
-    return {
-        "python": platform.python_version(),
-        "system": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
-    } | {package: version_of(package) for package in REPORTED}
+    system = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+    known = {"python": platform.python_version(), "system": system}
+    return known | {package: version_of(package) for package in REPORTED}
 
 
 @cache

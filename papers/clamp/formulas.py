@@ -106,9 +106,8 @@ def closed(d: Design) -> Design:
 
 def platen(p: Pose, root: int = 1) -> Array:
     """Return x of C, from A; with the other root C is behind B."""
-    return np.asarray(
-        p.L1 * cos(p.bar) + root * sqrt(p.L2**2 - (p.L1 * sin(p.bar) - (p.L1 + p.L2) * sin(p.theta)) ** 2)
-    )
+    height = p.L1 * sin(p.bar) - (p.L1 + p.L2) * sin(p.theta)  # of B above C
+    return np.asarray(p.L1 * cos(p.bar) + root * sqrt(p.L2**2 - height**2))
 
 
 def crosshead(p: Pose, root: int = -1) -> Array:
