@@ -22,6 +22,9 @@ from .drive import Drive as Drive
 from .drive import HarmonicLaw as HarmonicLaw
 from .drive import MotionLaw as MotionLaw
 from .drive import SegmentedLaw as SegmentedLaw
+from .elements.friction import Friction as Friction
+from .elements.friction import GuideFriction as GuideFriction
+from .elements.friction import PinFriction as PinFriction
 from .elements.loads import Force as Force
 from .elements.loads import ForceTable as ForceTable
 from .elements.loads import GuideForce as GuideForce
@@ -55,6 +58,10 @@ def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Map
         "damping": (f"{force}*s/{length}", newton / m),
         "torsion_stiffness": (f"{moment}/{angle}", newton_metre / radian),
         "torsion_damping": (f"{moment}*s/{angle}", newton_metre / radian),
+        "turning_damping": (f"{moment}*s/rad", newton_metre),
+        "turning_rate": ("rad/s", 1.0),
+        "sliding_rate": (f"{length}/s", m),
+        "coefficient": ("", 1.0),
         "time": ("s", 1.0),
         "frequency": ("1/s", 1.0),
         "gravity": ("m/s^2", 1.0),
@@ -114,6 +121,7 @@ class Scene:
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
     variations: tuple[Variation, ...] = ()  # what the workshop may deviate, in the units of the file
     torsion_springs: tuple[TorsionSpring, ...] = ()
+    friction: tuple[Friction, ...] = ()
     drive_on: str = GROUND  # the body against which the drive moves its own, by a pin or by a guide
 
     def __hash__(self) -> int:
@@ -177,7 +185,11 @@ class Scene:
         """The kinds of what acts on the bodies, and of drives that not every engine knows."""
         moving = self.drive_on != GROUND
         driven = "drives between moving bodies" if self.driven_slide is None else "cylinders that drive"
-        return frozenset({*(element.kind for _, element in self.elements), *([driven] if moving else [])})
+        return frozenset(
+            {element.kind for _, element in self.elements}.union(
+                (one.kind for one in self.friction), [driven] if moving else []
+            )
+        )
 
     @property
     def driven_slide(self) -> Slide | None:

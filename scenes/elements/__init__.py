@@ -11,6 +11,7 @@ ALL_KINDS = PLAIN_KINDS | {
     "moments",
     "dampers",
     "torsion springs",
+    "friction",
     "cylinders that drive",
     "drives between moving bodies",
 }

@@ -18,7 +18,7 @@ from .demands import unmet_by_numbers, unmet_together
 Value: TypeAlias = float | str
 ONCE = "expected each number once, and a path before leads to this one too"
 # what machines of one drive may differ in
-VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "torsion_springs", "gravity")
+VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "torsion_springs", "friction", "gravity")
 
 
 def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:

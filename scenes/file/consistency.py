@@ -8,6 +8,7 @@ from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 from math import pi, remainder
 
+from ..elements import friction
 from ..elements.tables import LoadCurve
 from ..errors import InputError, nearest, path_in_file
 from ..limits import POINTS, TURNS, WAVES
@@ -32,6 +33,7 @@ def _problems(scene: Scene, output_slides: bool) -> Iterator[str]:
     yield from (demand.refusal() for demand in unmet_together(scene))
     yield from _of_joints(scene)
     yield from _of_elements(scene)
+    yield from friction.problems(scene)
     yield from _of_sketch_and_output(scene, output_slides)
 
 
@@ -71,7 +73,7 @@ def _of_bodies(scene: Scene) -> Iterator[str]:
             more = "more than three points that are not on one line"
             yield f"bodies.{name}: expected 'com' and 'inertia', since it has a mass and {more}"
     missing = [body.name for body in scene.bodies.values() if body.mass is None]
-    if missing and (len(missing) < len(scene.bodies) or any(scene.elements)):
+    if missing and (len(missing) < len(scene.bodies) or any(scene.elements) or scene.friction):
         why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
         yield f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none"
 

@@ -8,6 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, Vali
 from .. import limits
 from ..bodies import BodyTable
 from ..drive import DriveTable
+from ..elements.friction import FrictionTable
 from ..elements.load_table import LoadTable
 from ..elements.springs import SpringTable, TorsionSpringTable
 from ..errors import InputError, nearest, one_line, path_in_file
@@ -99,6 +100,9 @@ class SceneFile(FileTable):
     torsion_springs: list[TorsionSpringTable] = Field(
         [], max_length=limits.LOADS, description="Springs and dampers that twist, at a pin."
     )
+    friction: list[FrictionTable] = Field(
+        [], max_length=limits.LOADS, description="Friction of pins and guides; none where absent."
+    )
     variations: list[VariationTable] = Field(
         [], max_length=limits.VARIATIONS, description="What the workshop may deviate, for `--monte-carlo`."
     )
@@ -111,7 +115,6 @@ class SceneFile(FileTable):
 BEYOND = {  # by keys that files may be thought to have
     "gear cam belt chain": "no such joint here, bodies are joined by pins and straight slides",
     "clearance backlash": "no clearance here, joints are without play",
-    "friction": "no friction here, joints move freely",
     "drive.torque drive.force": "a drive is not pushed, expected its motion, by which this is found",
 }
 File = TypeVar("File", bound=FileTable)

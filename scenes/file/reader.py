@@ -114,6 +114,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
         torsion_springs=tuple(
             spring.element(f"torsion_springs.{number}") for number, spring in enumerate(table.torsion_springs)
         ),
+        friction=tuple(one.element(f"friction.{number}") for number, one in enumerate(table.friction)),
         drive_on=_driven_on(table, guide),
     )
     sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}

@@ -28,6 +28,8 @@ class Status(Enum):
     unsupported = "The engine cannot model what this scene asks for."
     cannot_assemble = "The bodies cannot be put together at some position of the drive."
     wrong_branch = "The linkage ended up assembled the other way round."
+    jammed = "Friction holds the linkage: at some position no forces of the drive move it on."
+    undetermined = "With this friction more than one set of forces is possible at some position."
     diverged = "The solution ran away or the engine gave up on a step."
     not_converged = "The engine's own residual stayed above its limit."
     inconsistent = "The output contradicts itself: forces, rates, poses and drive do not belong to one motion."

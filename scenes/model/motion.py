@@ -12,6 +12,9 @@
 | `body.guide_moment` | from its guide on the slider, about the slider's first point, counter-clockwise positive |
 | `drive.torque` | what the drive does on the crank |
 | `drive.force` | what the drive does on the driven slider's first point, along `along` |
+| `P.friction_moment`, `P/body.friction_moment` | of friction on the later body of the pin |
+| `body.friction_force` | of friction on the slider, along `along` |
+| `friction.power` | of all friction: at most zero |
 
 Of the analytic core alone, since the other engines know no Assur groups, by the group's inner joint:
 
@@ -48,9 +51,10 @@ WIDTH, HEIGHT, MARGIN = 120, 24, 2  # px, of a sparkline
 UNITS: Mapping[str, str] = {
     **dict.fromkeys(("x", "y", "displacement", "to_lock"), "m"),
     **dict.fromkeys(("crank_angle", "angle", "transmission"), "rad"),
-    **dict.fromkeys(("fx", "fy", "guide_force", "force"), "N"),
-    **dict.fromkeys(("guide_moment", "torque"), "N*m"),
+    **dict.fromkeys(("fx", "fy", "guide_force", "force", "friction_force"), "N"),
+    **dict.fromkeys(("guide_moment", "torque", "friction_moment"), "N*m"),
     **{"time": "s", "vx": "m/s", "vy": "m/s", "ax": "m/s^2", "ay": "m/s^2", "omega": "rad/s", "alpha": "rad/s^2"},
+    "power": "W",
 }
 
 
@@ -82,9 +86,15 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
     return (*pins, *(f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment")), effort)
 
 
+def friction_channels(scene: Scene) -> tuple[str, ...]:
+    """The names of the channels of friction, in the order of the files; none where there are no forces."""
+    joints = tuple(one.channel(scene) for one in scene.friction if scene.has_masses)
+    return (*joints, "friction.power") if joints else ()
+
+
 def channels(scene: Scene) -> tuple[str, ...]:
     """The names of all channels of a scene, in the order of the files."""
-    return kinematic_channels(scene) + force_channels(scene)
+    return kinematic_channels(scene) + force_channels(scene) + friction_channels(scene)
 
 
 @dataclass(frozen=True)
@@ -138,7 +148,7 @@ class _Channels:
 
     def wants_forces(self, scene: Scene) -> bool:
         """Whether any force channel is wanted; if not, no model needs to find one."""
-        forces = force_channels(scene)
+        forces = force_channels(scene) + friction_channels(scene)
         return bool(forces) if self.channels is None else not self.channels.isdisjoint(forces)
 
 

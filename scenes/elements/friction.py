@@ -1,0 +1,130 @@
+"""Friction in pins and guides, by the force that the joint itself carries.
+
+A pin of radius r turns in its hole against r sin(arctan(mu)) |R|: the line of the joint's force R touches the friction
+circle (Shigley, Uicker and Pennock, Theory of Machines and Mechanisms, chapter 13). A guide's normal force N and its
+moment M about the slider's first point are carried at the two ends of the contact, each with N / 2 -+ M / length, and
+resist by mu (|N1| + |N2|) = mu max(|N|, 2 |M| / length), along the guide through that point.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from pydantic import Field
+
+from ..errors import InputError, nearest
+from ..fields import Coefficient, Damping, FileTable, Known, Length, SlidingRate, TurningDamping, TurningRate
+
+if TYPE_CHECKING:
+    from ..scene import Pin, Scene
+
+AT_REST = 1e-9  # of the largest rate of all bodies, or speed of all points, at that instant: slower than that, at rest
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Friction:
+    """What both kinds have; by default Coulomb's, kinetic, without smoothing."""
+
+    coefficient: Coefficient
+    smooth: float | None = None  # a rate, of tanh(rate / smooth) in place of the sign
+    kind = "friction"
+
+    def sense(self, rate: Any, largest: Any) -> Any:
+        """The sign of a rate of a joint's parts on each other, 0 at rest; `largest` is that of the linkage."""
+        if self.smooth is not None:
+            return np.tanh(rate / self.smooth)
+        return np.where(self.at_rest(rate, largest), 0.0, np.where(rate < 0, -1.0, 1.0))
+
+    def at_rest(self, rate: Any, largest: Any) -> Any:
+        """Where the sense of the motion is unknown."""
+        return (self.smooth is None) & (np.abs(rate) <= AT_REST * largest)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PinFriction(_Friction):
+    """A moment at a pin against the turning of its two bodies on each other."""
+
+    at: str  # the pin
+    body: str | None = None  # the later of its two bodies, where three meet
+    radius: Length  # m
+    viscous: TurningDamping | None = None  # N m s/rad
+    smooth: TurningRate | None = None  # rad/s
+
+    @property
+    def arm(self) -> Any:
+        """The radius of the friction circle, m."""
+        return self.radius * self.coefficient / np.sqrt(1 + self.coefficient**2)
+
+    def pin(self, scene: "Scene") -> "Pin":
+        """The pin; of several at the point the first, unless the body is another one's."""
+        return next(pin for pin in scene.pins if pin.point == self.at and self.body in (None, pin.second))
+
+    def channel(self, scene: "Scene") -> str:
+        """The channel of the moment on the pin's later body."""
+        return f"{self.pin(scene).channel}.friction_moment"
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuideFriction(_Friction):
+    """A force along a guide against the sliding of its slider."""
+
+    slider: str
+    length: Length  # m, of the contact, with its middle at the slider's first point
+    viscous: Damping | None = None  # N s/m
+    smooth: SlidingRate | None = None  # m/s
+
+    def channel(self, _: "Scene") -> str:
+        """The channel of the force on the slider along its guide."""
+        return f"{self.slider}.friction_force"
+
+
+Friction: TypeAlias = PinFriction | GuideFriction
+
+
+class FrictionTable(FileTable):
+    """Friction at a pin, or in a guide."""
+
+    at: Known | None = Field(None, description="The pin.")
+    body: Known | None = Field(None, description="Where three bodies meet at the pin, the later one of the two.")
+    radius: Length | None = Field(None, description="Of the pin.")
+    slider: Known | None = Field(None, description="Instead of a pin: the body that slides.")
+    length: Length | None = Field(None, description="Of the guide's contact, with its middle at the first point.")
+    coefficient: Coefficient = Field(description="Of Coulomb's friction.")
+    viscous: Damping | None = Field(None, description="At a pin moment by rad/s; in a guide force by length a second.")
+    smooth: TurningRate | None = Field(None, description="The rate, rad/s or length a second, of tanh(rate / smooth).")
+
+    def element(self, place: str) -> Friction:
+        """The friction, its numbers as they are; InputError where the keys do not go together."""
+        if (self.at is None) == (self.slider is None):
+            raise InputError(f"{place}: expected either 'at', a pin, or 'slider'")
+        size, other = ("radius", "length") if self.slider is None else ("length", "radius")
+        for key in (other, *(["body"] if self.slider is not None else [])):
+            if getattr(self, key) is not None:
+                raise InputError(f"{place}.{key}: expected '{'at' if key != 'length' else 'slider'}' with it")
+        if getattr(self, size) is None:
+            raise InputError(f"{place}.{size}: missing; {'the pin has one' if size == 'radius' else 'of the contact'}")
+        given = self.model_dump(exclude_none=True)
+        return PinFriction(**given) if self.slider is None else GuideFriction(**given)
+
+
+def problems(scene: "Scene") -> Iterator[str]:
+    """Yield what of the friction does not fit the joints."""
+    seen: set[str] = set()
+    for number, friction in enumerate(scene.friction):
+        place = f"friction.{number}"
+        if isinstance(friction, GuideFriction):
+            if friction.slider not in scene.slides:
+                yield f"{place}.slider: no body '{friction.slider}' that slides{nearest(friction.slider, scene.slides)}"
+        else:
+            pins = [pin for pin in scene.pins if pin.point == friction.at]
+            if not pins:
+                known = {pin.point for pin in scene.pins}
+                yield f"{place}.at: no pin '{friction.at}'{nearest(friction.at, known)}"
+            later = [pin.second for pin in pins]
+            if friction.body is not None and friction.body not in later:
+                yield f"{place}.body: expected a later body at {friction.at}{nearest(friction.body, later)}"
+        joint = friction.channel(scene)
+        if joint in seen:
+            yield f"{place}: the joint has friction already; expected one table a joint"
+        seen.add(joint)
