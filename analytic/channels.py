@@ -10,7 +10,7 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.arguments import known_names
-from scenes.model.motion import Samples
+from scenes.model.motion import Samples, friction_channels
 
 from .core.decomposition import Dyad, Linkage, members
 from .core.dyads import Vectors, dot
@@ -41,6 +41,8 @@ def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple
             for part, q in enumerate(("force", "moment")):
                 yield (f"{name}.guide_{q}",), partial(lambda name, part, _, on: on.guide[name][part], name, part)
         yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
+        for name in friction_channels(scene):
+            yield (name,), partial(lambda name, _, on: on.friction[name], name)
     for group in groups:
         if not isinstance(group, Group):
             yield (f"{group.P}.transmission",), partial(_transmission, group.P)

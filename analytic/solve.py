@@ -23,6 +23,7 @@ from .core.groups.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
 from .core.kinetostatics import Balance, Reactions
 from .core.placing import Kinematics
+from .core.rubbing_joints import FrictionBalance
 from .recorded.arithmetics.in_numpy import StraightLine, blocks
 from .recorded.expressions import Line
 from .recorded.program import Program, inputs_at, recorded
@@ -135,7 +136,8 @@ class Solver:
                 on = Reactions()
                 if self.request.wants_forces(scene):
                     given = self.given_at(position[block], time[block])
-                    on = Balance(scene, linkage, given, k).solve(self.request.channels)
+                    kind = FrictionBalance if scene.friction else Balance
+                    on = kind(scene, linkage, given, k).solve(self.request.channels)
                 for names, take in self.channels.items():
                     rows[names][block] = take(k, on)
         return {

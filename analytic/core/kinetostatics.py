@@ -4,16 +4,16 @@ A group is statically determinate once the groups that hang on it have passed on
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from scenes.model.motion import Samples, force_channels
+from scenes.model.motion import Samples, force_channels, friction_channels
 
-from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned
+from .decomposition import Dyad, Guided, InnerPin, InnerSlide, Leg, Pinned
 from .dyads import Vectors, cross, dot, inner_force
 from .elements import ActingForce, Loading
 from .geometry import as_complex
@@ -29,6 +29,7 @@ class Reactions:
     pin: dict[tuple[str, str], Vectors] = field(default_factory=dict)  # (point, body): force of the pin on the body, N
     guide: dict[str, tuple[Samples, Samples]] = field(default_factory=dict)  # slider: force, N; moment, N m
     effort: Samples = field(default_factory=lambda: np.zeros(()))  # torque, N m, or force, N
+    friction: dict[str, Samples] = field(default_factory=dict)  # by channel, N m or N, and its power
 
 
 @dataclass(frozen=True)
@@ -38,26 +39,34 @@ class Balance(Loading):
     reactions: Reactions = field(default_factory=Reactions)
     far: dict[str, tuple[Vectors, Samples]] = field(default_factory=dict)  # of legs with the drive in them, at P
     slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
+    alone: Mapping[str, list[ActingForce]] | None = None  # by body: in place of all other loads, and of inertia
 
     def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
         """Return the reactions and the effort of the drive, balanced as long as one that is wanted is missing."""
         for group in reversed(self.linkage.groups):
             if wanted is not None and self.has(wanted):
                 return self.reactions
-            if isinstance(group, InnerPin):
-                self.inner_pin(group)
-            elif isinstance(group, InnerSlide):
-                self.inner_slide(group)
-            else:
-                self.larger(group)
+            self.balance(group)
         if self.linkage.driver is not None:
-            self.driver(self.linkage.driver)
+            self.balance(self.linkage.driver)
         return self.reactions
+
+    def balance(self, group: Dyad | Group | Leg) -> None:
+        """Balance a group, or the driven body."""
+        if isinstance(group, InnerPin):
+            self.inner_pin(group)
+        elif isinstance(group, InnerSlide):
+            self.inner_slide(group)
+        elif isinstance(group, Group):
+            self.larger(group)
+        else:
+            self.driver(group)
 
     def has(self, wanted: AbstractSet[str]) -> bool:
         """Return whether all reactions wanted were found; what was, is final."""
         known = {pin.channel for pin in self.scene.pins if (pin.point, pin.second) in self.reactions.pin}
-        joints = {channel.rpartition(".")[0] for channel in wanted & set(force_channels(self.scene))}
+        forces = {*force_channels(self.scene), *friction_channels(self.scene)}
+        joints = {channel.rpartition(".")[0] for channel in wanted & forces}
         return joints <= known | set(self.reactions.guide)
 
     def inner_pin(self, dyad: InnerPin) -> None:
@@ -208,6 +217,8 @@ class Balance(Loading):
 
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
+        if self.alone is not None:
+            return resultant(self.alone.get(body, ()), self.k.z[foot])
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * (rigid.com - rigid.local[foot])
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])
@@ -229,3 +240,12 @@ class Balance(Loading):
                 pin[point, body] = -sum(solved[1:], start=solved[0])
                 pulls.append(ActingForce(pin[point, body], self.k.z[point]))
         return pulls
+
+
+def resultant(acting: Iterable[ActingForce], foot: Vectors) -> tuple[Vectors, Samples]:
+    """The sum of forces, and of their moments about a foot."""
+    force, moment = samples(0j), samples(0.0)
+    for one in acting:
+        force = force + one.force
+        moment = moment + cross(one.at - foot, one.force) + one.moment
+    return force, moment

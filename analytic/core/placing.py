@@ -37,6 +37,7 @@ class Closure(NamedTuple):
 class Kinematics:
     """Where everything is and how it moves. Arrays of shape (n,), or of shape () for what does not change."""
 
+    drive: Samples  # the rate of the drive, rad/s or m/s
     z: dict[str, Vectors] = field(default_factory=dict)  # points: position, m
     v: dict[str, Vectors] = field(default_factory=dict)  # m/s
     a: dict[str, Vectors] = field(default_factory=dict)  # m/s^2
@@ -74,7 +75,7 @@ class Placing:
         self.real, self.complex = driven.position.dtype, np.result_type(driven.position.dtype, np.complex64)
         self.still: Vectors = np.zeros((), self.complex)
         self.changing: dict[Leg, tuple[Vector, Vector]] = {}  # legs with the drive in them: see `moving_legs`
-        k = self.k = Kinematics()
+        k = self.k = Kinematics(driven.rate)
         for point, xy in scene.ground.items():
             k.z[point], k.v[point], k.a[point] = self.constant(as_complex(xy)), self.still, self.still
         k.u[GROUND], k.omega[GROUND], k.alpha[GROUND] = self.constant(1), self.still.real, self.still.real

@@ -72,6 +72,7 @@ def derivative_solver(
         found = line({**values, **given, "time follows": float(time is None)})[:, 0]
         if not (found[-1] >= 0).all():
             solve(position, time)  # which tells where it does not reach
+            found[:, ~(found[-1] >= 0)] = np.nan  # where friction takes more than the line
         by_number = found[:-1].reshape(len(keys), len(program.channels), len(position))
         return {name: by_number[:, c] * units for c, name in enumerate(program.channels)}
 

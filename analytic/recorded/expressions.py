@@ -6,7 +6,7 @@ An arithmetic is one file in `arithmetics`: how operations are spelled, and what
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, floor, sin, sqrt
+from math import atan2, cos, floor, sin, sqrt, tanh
 from operator import add, mul, neg, sub, truediv
 from typing import Any, TypeAlias
 
@@ -26,6 +26,7 @@ OPERATIONS: Mapping[str, Callable[..., float]] = {
     "sin": sin,
     "cos": cos,
     "floor": floor,
+    "tanh": tanh,
     "arctan2": atan2,
     "minimum": min,
     "maximum": max,

@@ -50,6 +50,9 @@ def _rule(make: Recorder, y: Expression, d: Sequence[Expression]) -> Expression:
             return make("multiply", make("subtract", d[0], make("multiply", y, d[1])), over)
         case "sqrt":
             return make("multiply", d[0], make("divide", make.constant(0.5), y))
+        case "tanh":
+            square = make("multiply", y, y)
+            return make("multiply", make("subtract", make.constant(1.0), square), d[0])
         case "sin":
             return make("multiply", make("cos", of[0]), d[0])
         case "cos":

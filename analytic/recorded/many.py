@@ -75,7 +75,7 @@ def solve_many(
         channels: as of `solve`.
 
     Returns:
-        The channels, each of shape (m, n), and the status of each machine, with where and why it cannot assemble.
+        The channels, each of shape (m, n), and the status of each machine, with where and why it does not go.
 
     Raises:
         Failure: the linkage has bodies that are held twice over.
@@ -192,20 +192,20 @@ class ManySolver:
 
         Its larger groups are `followed` already where the line has all else.
         """
+        ending: Ending | None = None
         try:
             core = self.cores.get(machine) or self._core(machine, followed=followed)
-        except Failure as failure:
+            with np.errstate(all="ignore"):
+                k = kinematics(core.scene, core.linkage, Driven(position, np.ones(()), np.zeros(())), rates=False)
+                reached = np.ones(position.shape, np.bool_)
+                for reach in k.reach.values():
+                    reached &= ~(reach < 0)
+                if (stop := not_reached(core.linkage, k, position)) is not None:
+                    why = f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
+                    ending = Status.cannot_assemble, why
+                motion = core(position[reached], time if time is None else time[reached])
+        except Failure as failure:  # the joints do not go together, or friction holds them
             return failure.status, failure.reason
-        with np.errstate(all="ignore"):
-            k = kinematics(core.scene, core.linkage, Driven(position, np.ones(()), np.zeros(())), rates=False)
-            reached = np.ones(position.shape, np.bool_)
-            for reach in k.reach.values():
-                reached &= ~(reach < 0)
-            ending: Ending | None = None
-            if (stop := not_reached(core.linkage, k, position)) is not None:
-                why = f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
-                ending = Status.cannot_assemble, why
-            motion = core(position[reached], time if time is None else time[reached])
         for channel, values in samples.items():
             values[...] = np.nan
             values[reached] = motion[channel]

@@ -20,12 +20,14 @@ from scenes.scene import GROUND, ConstantSpeed, PressForce
 from ..channels import all_channels, asked
 from ..core.decomposition import Linkage, decompose
 from ..core.elements import wound
+from ..core.friction import Loads
 from ..core.geometry import as_complex
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, size_of
 from ..core.kinematics import Pass
-from ..core.kinetostatics import Balance, Reactions
+from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
+from ..core.rubbing_joints import FrictionBalance
 from .expressions import Closing, Expression, Inputs, Recorder, needed, substituted
 from .forward import forward
 from .traced import Traced, traced
@@ -202,8 +204,14 @@ class RecordedPass(Pass):
         return [d.get(one.order, self.make.constant(0.0)) for one in of]
 
 
-class RecordedBalance(Balance):
+class RecordedBalance(FrictionBalance):
     """Balances everything as expressions."""
+
+    def settled(self, loads: Loads) -> Sequence[Any]:
+        """The frictions; the reach is negative where more than a few steps would be needed."""
+        w, bound = loads.solved()
+        self.k.reach[f"friction {len(self.k.reach)}"] = chosen(bound < 1, 1.0, -1.0)
+        return w
 
     def larger(self, group: Group) -> None:
         """Balance a larger group: the multipliers of its constraints, from the transpose of their Jacobian."""

@@ -116,7 +116,7 @@ def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
 
 COMPARING = "minimum", "maximum", "less", "less_equal"
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{name: partial(_real, name) for name in ("sqrt", "floor", "arctan2", *COMPARING)},
+    **{name: partial(_real, name) for name in ("sqrt", "floor", "tanh", "arctan2", *COMPARING)},
     **{name: partial(_each, name) for name in ("add", "subtract", "negative")},
     "multiply": _product,
     "bitwise_and": _product,

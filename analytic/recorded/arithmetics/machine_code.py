@@ -38,7 +38,7 @@ SPELLINGS = {
 Kernel: TypeAlias = Callable[[Samples, Samples, Samples, Samples, int, int], None]
 
 
-MODULE = """from math import atan2, cos, inf, nan, sin, sqrt
+MODULE = """from math import atan2, cos, inf, nan, sin, sqrt, tanh
 
 import numpy as np
 from numba import njit

@@ -1,0 +1,118 @@
+"""The friction of a group's joints, from the joints' forces, which it changes itself.
+
+Of each joint X is its load as a plane vector: a pin's force; of a guide its normal force and, across it, twice its
+moment over the contact's length. X is linear in the frictions w of the group, moments or forces against the sense s:
+
+    X_i = X0_i + sum_j S_ij w_j,    w_i = -s_i c_i |X_i| - viscous,    |X| = max(|N|, 2 |M| / length) in guides  (1)
+
+with c the radius of the friction circle, or the coefficient. Newton's method solves (1). The map from the |X_j| to the
+|X_i| contracts where the matrix |S_ij| c_j has a spectral radius below one: then there is one solution (Banach).
+Elsewhere the solution is continued by one factor on all coefficients, from that without friction, see `jamming`.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+from typing import Any
+
+import numpy as np
+
+from scenes.scene import Friction, PinFriction
+
+from .dyads import dot
+from .numbers import chosen
+
+GUESSES = 2  # from no friction: what is left is the square of the map's contraction, often some thousandths
+STEPS = 3  # of Newton's method, after which that is round-off
+CLOSE = 1e-8  # of the last step, relative: what is left is smaller by the step before
+TINY = 1e-300  # N, which changes no load but none
+
+
+@dataclass(frozen=True)
+class Rubbing:
+    """One friction of a group at some samples."""
+
+    of: Friction
+    sense: Any
+    viscous: Any  # what resists whatever the load, N m or N
+
+    def slope(self, factor: Any = 1.0) -> Any:
+        """The friction by the load, with a factor on the coefficient: s c of (1)."""
+        mu = factor * self.of.coefficient
+        return self.sense * (self.of.radius * mu / np.sqrt(1 + mu * mu) if isinstance(self.of, PinFriction) else mu)
+
+    def size(self, X: Any) -> Any:
+        """The load |X|."""
+        return np.abs(X) if isinstance(self.of, PinFriction) else np.maximum(np.abs(X.real), np.abs(X.imag))
+
+    def gradient(self, X: Any, size: Any) -> Any:
+        """The direction in which the load grows, a unit vector; any where there is no load."""
+        if isinstance(self.of, PinFriction):
+            return X / (size + TINY)
+        along, across = (chosen(part < 0, -1.0, 1.0) for part in (X.real, X.imag))
+        return chosen(np.abs(X.real) < size, 1j * across, along)
+
+
+@dataclass(frozen=True)
+class Loads:
+    """The frictions of a group, and what the loads of its joints are by them: X0 and S of (1)."""
+
+    rubbing: Sequence[Rubbing]
+    X0: Sequence[Any]
+    S: Sequence[Sequence[Any]]
+
+    def open(self, w: Sequence[Any], slopes: Sequence[Any]) -> tuple[list[Any], Iterator[list[Any]]]:
+        """How far w is from solving (1), and the rows of the Jacobian."""
+        # Joints of one force share the sum of its changes in a recorded line.
+        X = [x + reduce(add, map(np.multiply, row, w)) for x, row in zip(self.X0, self.S, strict=True)]
+        sizes = [one.size(of) for one, of in zip(self.rubbing, X, strict=True)]
+        parts = [*zip(self.rubbing, slopes, X, sizes, strict=True)]
+        F = [x + one.viscous + slope * size for x, (one, slope, _, size) in zip(w, parts, strict=True)]
+        gradients = (slope * one.gradient(of, size) for one, slope, of, size in parts)
+        J = (
+            [dot(gradient, s) + (1.0 if i == j else 0.0) for j, s in enumerate(self.S[i])]
+            for i, gradient in enumerate(gradients)
+        )
+        return F, J
+
+    @property
+    def gains(self) -> list[list[Any]]:
+        """By how much the loads change at most by each other: |S_ij| c_j."""
+        slopes = [np.abs(one.slope()) for one in self.rubbing]
+        return [
+            [one.size(s) * slope for s, slope in zip(row, slopes, strict=True)]
+            for one, row in zip(self.rubbing, self.S, strict=True)
+        ]
+
+    def solved(self) -> tuple[list[Any], Any]:
+        """Return w of (1) by a few steps, and a number that is below one where they are near to its one solution."""
+        slopes = [one.slope() for one in self.rubbing]
+        w: list[Any] = [0.0 * x.real for x in self.X0]
+        for _ in range(GUESSES):
+            F, _ = self.open(w, slopes)
+            w = [x - dx for x, dx in zip(w, F, strict=True)]
+        J: list[list[Any]] = []
+        for step in range(STEPS):
+            F, rows = self.open(w, slopes)
+            J = [*rows] if step < STEPS - 1 else J  # at last as before: it differs by that step's square
+            dw = eliminated(J, F)
+            w = [x - dx for x, dx in zip(w, dw, strict=True)]
+        bound: Any = reduce(np.maximum, (reduce(add, row) for row in self.gains))  # no less than the spectral radius
+        for x, dx in zip(w, dw, strict=True):
+            bound = chosen(np.abs(dx) <= CLOSE * np.abs(x), bound, np.inf)
+        return w, bound
+
+
+def eliminated(A: Sequence[Sequence[Any]], b: Sequence[Any]) -> list[Any]:
+    """Return x of A x = b by elimination without exchanges: next to the identity, A is dominated by its diagonal."""
+    rows, n = [[*row, right] for row, right in zip(A, b, strict=True)], len(b)
+    for k in range(n):
+        for i in range(k + 1, n):
+            factor = rows[i][k] / rows[k][k]
+            rows[i] = [x - factor * above for x, above in zip(rows[i], rows[k], strict=True)]
+    x: list[Any] = []
+    for i in reversed(range(n)):
+        known = reduce(add, map(np.multiply, rows[i][i + 1 : n], reversed(x)), 0.0)
+        x.append((rows[i][n] - known) / rows[i][i])
+    return x[::-1]

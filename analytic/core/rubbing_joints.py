@@ -1,0 +1,182 @@
+"""Kinetostatics with friction: each group's joints take what they rub by as loads, found from unit loads."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from copy import copy
+from functools import cached_property, reduce
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from scenes import Failure, Status
+from scenes.elements.friction import AT_REST
+from scenes.model.motion import Samples
+from scenes.scene import GROUND, ConstantSpeed, Friction, PinFriction
+
+from .decomposition import Dyad, Leg, members
+from .dyads import dot
+from .elements import ActingForce
+from .friction import Loads, Rubbing
+from .geometry import as_complex
+from .groups.group_equations import Group
+from .jamming import Rows
+from .kinetostatics import Balance, Reactions
+from .numbers import samples
+
+Unit: TypeAlias = Mapping[str, list[ActingForce]]  # what one unit of a friction does, by body
+
+
+class FrictionBalance(Balance):
+    """One pass from the last group to the driver, each with the friction of its joints."""
+
+    def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
+        """Return what `Balance.solve` does, and the friction's power where all of it was found."""
+        on = super().solve(wanted)
+        if on.friction and len(on.friction) == len(self.scene.friction):
+            power = (on.friction[one.channel(self.scene)] * self.motion(one)[0] for one in self.scene.friction)
+            on.friction["friction.power"] = reduce(np.add, power)
+        return on
+
+    def balance(self, group: Dyad | Group | Leg) -> None:
+        """Balance a group with the friction of the joints that it is the first to know the force of."""
+        number = -1 if not isinstance(group, Dyad | Group) else self.linkage.groups.index(group)
+        frictions = [one for one, first in self.due if first == number]
+        if frictions:
+            rubbing = [self.rubbing(one) for one in frictions]
+            on = self.reactions
+            kept = Reactions({**on.pin}, {**on.guide}, on.effort)
+            slid_on = {body: [*acting] for body, acting in self.slid_on.items()}
+            X0 = self.loads(frictions, group, reactions=kept, slid_on=slid_on, far={})
+            units = [self.unit(one) for one in frictions]
+            columns = [
+                self.loads(frictions, group, reactions=Reactions(), slid_on={}, far={}, alone=unit) for unit in units
+            ]
+            w = self.settled(Loads(rubbing, X0, [*zip(*columns, strict=True)]))
+            for one, unit, size in zip(frictions, units, w, strict=True):
+                on.friction[one.channel(self.scene)] = size
+                for body, acting in ((body, acting) for body, several in unit.items() for acting in several):
+                    scaled = ActingForce(acting.force * size, acting.at, acting.moment * size)
+                    self.slid_on.setdefault(body, []).append(scaled)
+        super().balance(group)
+
+    @cached_property
+    def due(self) -> Sequence[tuple[Friction, int]]:
+        """Each friction with the number of the group that is the first to know the force of its joint."""
+        return [(one, self.first_known(one)) for one in self.scene.friction]
+
+    def first_known(self, one: Friction) -> int:
+        """The number of the group that knows a joint's force, -1 for the driver; Failure where that is too late."""
+        scene, linkage = self.scene, self.linkage
+        group_of = {GROUND: -2} | dict.fromkeys(scene.bodies, -1)
+        group_of |= {body: number for number, group in enumerate(linkage.groups) for body in members(group)}
+        if not isinstance(one, PinFriction):
+            return max(group_of[one.slider], group_of[scene.slides[one.slider].on])
+        pin = one.pin(scene)
+        carrier = next((body for body, points in linkage.carries.items() if pin.point in points), GROUND)
+        others = [body for body in scene.owners[pin.point] if body != pin.second]
+        known = min(group_of[body] for body in others) if pin.second == carrier else group_of[pin.second]
+        if max(group_of[pin.first], group_of[pin.second]) > known:
+            several = f"the force at {pin.channel} follows from that of a group which its friction loads"
+            raise Failure(Status.unsupported, f"{several}; expected {pin.first} later in the file")
+        return known
+
+    def motion(self, one: Friction) -> tuple[Samples, Samples]:
+        """How fast the parts of a joint move on each other, and the largest such rate in the linkage."""
+        k, scene = self.k, self.scene
+        if isinstance(one, PinFriction):
+            pin = one.pin(scene)
+            return k.omega[pin.second] - k.omega[pin.first], self.fastest[0]
+        at, along = self.guided(one.slider)
+        on = scene.slides[one.slider].on
+        carried = 0.0 if on == GROUND else k.v[k.foot[on]] + 1j * k.omega[on] * (at - k.z[k.foot[on]])
+        return dot(along, k.v[scene.bodies[one.slider].points[0]] - carried), self.fastest[1]
+
+    @cached_property
+    def fastest(self) -> tuple[Samples, Samples]:
+        """The largest rate of the bodies, rad/s, and the largest speed of the points, m/s."""
+        turning = (np.abs(self.k.omega[body]) for body in self.scene.bodies)
+        moving = (np.abs(self.k.v[point]) for point in self.scene.moving_points)
+        fastest = reduce(np.maximum, turning), reduce(np.maximum, moving)
+        if isinstance(self.scene.drive, ConstantSpeed):
+            return fastest
+        rests = np.abs(self.k.drive) <= AT_REST * self.scene.drive.peak_rate  # and all rates are round-off
+        return np.where(rests, np.inf, fastest[0]), np.where(rests, np.inf, fastest[1])
+
+    def guided(self, slider: str) -> tuple[Any, Any]:
+        """A slider's first point, and the direction of its guide in the plane."""
+        slide = self.scene.slides[slider]
+        return self.k.z[self.scene.bodies[slider].points[0]], self.k.u[slide.on] * as_complex(slide.along)
+
+    def rubbing(self, one: Friction) -> Rubbing:
+        """A friction as it acts at the samples."""
+        rate, largest = self.motion(one)
+        return Rubbing(one, samples(one.sense(rate, largest)), samples((one.viscous or 0.0) * rate))
+
+    def unit(self, one: Friction) -> Unit:
+        """What a unit of friction does: on the later body of a pin, or on the slider; its reaction on the other."""
+        if isinstance(one, PinFriction):
+            pin, none = one.pin(self.scene), samples(0j)
+            moments = (pin.second, samples(1.0)), (pin.first, samples(-1.0))
+            return {body: [ActingForce(none, self.k.z[pin.point], moment)] for body, moment in moments}
+        at, along = self.guided(one.slider)
+        return {
+            one.slider: [ActingForce(along, at)],
+            self.scene.slides[one.slider].on: [ActingForce(-along, at)],
+        }
+
+    def loads(self, frictions: Sequence[Friction], group: Dyad | Group | Leg, **others: Any) -> list[Any]:
+        """The loads X of (1) of `friction` while the group is balanced under other loads."""
+        trial = copy(self)
+        vars(trial).update(others)
+        Balance.balance(trial, group)
+        return [*trial.carried(frictions)]
+
+    def carried(self, frictions: Sequence[Friction]) -> Iterator[Any]:
+        """Yield what joints carry, each as the plane vector of its friction."""
+        pins = self.reactions.pin
+        for one in frictions:
+            if isinstance(one, PinFriction):
+                pin = one.pin(self.scene)
+                others = (pins[pin.point, body] for body in self.scene.owners[pin.point] if (pin.point, body) in pins)
+                key = pin.point, pin.second
+                yield pins[key] if key in pins else -reduce(np.add, others)
+            else:
+                N, M = self.reactions.guide[one.slider]
+                yield N + 1j * (M * (2 / one.length))
+
+    def settled(self, loads: Loads) -> Sequence[Any]:
+        """The frictions; Failure, `jammed` or `undetermined`, at the first position where none, or several, fit."""
+        w, bound = loads.solved()
+        position = self.given["position"]
+        hard = np.broadcast_to(~(bound < 1), position.shape) & np.isfinite(reduce(np.add, loads.X0))
+        if not hard.any():
+            return w
+
+        def whole(values: Any) -> Any:
+            return np.broadcast_to(values, position.shape)
+
+        every = [Rubbing(one.of, whole(one.sense), whole(one.viscous)) for one in loads.rubbing]
+        rows = Rows(every, [*map(whole, loads.X0)], [[*map(whole, row)] for row in loads.S]).picked(hard)
+        with np.errstate(all="ignore"):
+            found, factor = rows.continued()
+            at = position[hard]
+            if (stuck := np.flatnonzero(factor < 1)).size:
+                raise Failure(
+                    Status.jammed, self.jam(rows, int(stuck[0]), float(factor[stuck[0]]), float(at[stuck[0]]))
+                )
+            if (several := rows.several(found)).any():
+                where = self.scene.where(float(at[several.argmax()]))
+                raise Failure(Status.undetermined, f"friction leaves several sets of forces at {where}")
+        w = [np.array(whole(one)) for one in w]
+        for one, column in zip(w, found.T, strict=True):
+            one[hard] = column
+        return w
+
+    def jam(self, rows: Rows, row: int, factor: float, position: float) -> str:
+        """Where it jams, by how much, and which joint's coefficient would free it."""
+        where = f"friction jams it at {self.scene.where(position)}: it passes with {factor:.6g} of all coefficients"
+        if (cut := rows.freed_by(row)) is None:
+            return where
+        one, share = rows.rubbing[cut[0]].of, cut[1]
+        joint = one.channel(self.scene).rpartition(".")[0]
+        return f"{where}, or with {share * one.coefficient:.4g} instead of {one.coefficient:.4g} at {joint} alone"
