@@ -95,7 +95,7 @@ class EquationRows:
         """Return f(q) of (1), shape (rows, 1)."""
         U, V = self._levers(q)
         sin, cos = _sin_cos(q)
-        return self.k + self.C * q + U * _column(cos) - V * _column(sin)
+        return self.k + self.C * q + U * column(cos) - V * column(sin)
 
     def varying(self, q: arb_mat) -> dict[tuple[int, int], arb]:
         """Return B of (2), the part of J that varies, for y = S q alone: the entries that are not zero."""
@@ -137,8 +137,8 @@ class EquationRows:
         U, V = self._levers(q)
         sin, cos = _sin_cos(q)
         omega = angles(rate)
-        total = U * _column([c * w * w for c, w in zip(cos, omega, strict=True)])
-        total -= V * _column([s * w * w for s, w in zip(sin, omega, strict=True)])
+        total = U * column([c * w * w for c, w in zip(cos, omega, strict=True)])
+        total -= V * column([s * w * w for s, w in zip(sin, omega, strict=True)])
         for guide in self._guides:
             u, v = _lever(guide.way(rate), guide.direction)
             s, c = sin[guide.carrier], cos[guide.carrier]
@@ -172,6 +172,11 @@ def axis_vector(axis: int, sign: int = 1) -> PlaneVector:
     return (arb(sign), arb(0)) if axis == 0 else (arb(0), arb(sign))
 
 
+def column(entries: Sequence[arb]) -> arb_mat:
+    """Return the entries as a matrix of one column."""
+    return arb_mat(len(entries), 1, entries)
+
+
 def _lever(weight: PlaneVector, arm: PlaneVector) -> PlaneVector:
     """Return u and v of w·(e^{iθ} s) = u cos θ - v sin θ."""
     (wx, wy), (x, y) = weight, arm
@@ -183,21 +188,19 @@ def _sin_cos(q: arb_mat) -> tuple[list[arb], list[arb]]:
     return list(sin), list(cos)
 
 
-def _column(entries: list[arb]) -> arb_mat:
-    return arb_mat(len(entries), 1, entries)
-
-
 def solved(groups: Sequence[DiagonalBlock], matrix: arb_mat, right: arb_mat, **how: Any) -> arb_mat:
-    """The solution for a column by forward substitution; ZeroDivisionError where no block is proven to be regular."""
+    """The solution, column by column, by forward substitution; ZeroDivisionError where no block is proven regular."""
     if right.nrows() <= AT_ONCE:
         return matrix.solve(right, **how)
-    solution = arb_mat(right.nrows(), 1)
+    every = range(right.ncols())
+    solution = arb_mat(right.nrows(), len(every))
     for rows, columns, left in groups:
-        given = arb_mat(len(rows), 1, [right[i, 0] for i in rows])
+        given = _part(right, rows, every)
         if left:
-            given -= _part(matrix, rows, left) * arb_mat(len(left), 1, [solution[j, 0] for j in left])
-        for j, value in zip(columns, _part(matrix, rows, columns).solve(given, **how).entries(), strict=True):
-            solution[j, 0] = value
+            given -= _part(matrix, rows, left) * _part(solution, left, every)
+        for j, values in zip(columns, _part(matrix, rows, columns).solve(given, **how).tolist(), strict=True):
+            for k, value in enumerate(values):
+                solution[j, k] = value
     return solution
 
 

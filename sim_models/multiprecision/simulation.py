@@ -16,6 +16,7 @@ from scenes.model.motion import Samples, channels
 from .constraints import LinkageEquations
 from .continuation import Continuation
 from .drive import Command, commands
+from .friction import JointFriction, resisted
 from .loads import GeneralisedForce, generalised_force
 from .rows import angles, solved
 from .settings import MultiprecisionSettings
@@ -30,10 +31,16 @@ class Solution(NamedTuple):
     q: arb_mat  # m, rad: x, y, θ of every body
     velocity: arb_mat
     acceleration: arb_mat
-    multipliers: arb_mat  # N, N m, in the order of the force channels
+    multipliers: arb_mat  # N, N m, in the order of the force channels, with those of friction
 
 
-def solution_in(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, command: Command) -> Solution:
+def solution_in(
+    linkage: LinkageEquations,
+    force: GeneralisedForce,
+    q: arb_mat,
+    command: Command,
+    frictions: Sequence[JointFriction] = (),
+) -> Solution:
     """J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q in a pose, e being the drive's row."""
     rows, groups = linkage.constraints, linkage.groups
     J = rows.jacobian(q)
@@ -41,6 +48,8 @@ def solution_in(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, 
     total = solved(groups, J, linkage.drive(command.acceleration) + rows.centripetal(q, velocity))
     inertial = arb_mat([[m * a] for m, a in zip(linkage.mass, total.entries(), strict=True)])
     multipliers = solved(linkage.transposed_groups, J.transpose(), inertial - force(q, velocity, command.time))
+    if frictions:
+        multipliers = resisted(linkage, frictions, q, velocity, multipliers)
     return Solution(q, velocity, total, multipliers)
 
 
@@ -101,6 +110,8 @@ class MultiprecisionSimulation:
             budget.task = "the end of the closing stroke"
             ends = stroke_ends(self._linkage, continuation, self._start)
             self._force = generalised_force(self._linkage, ends, self._start)
+            frictions = scene.friction if request.wants_forces(scene) else ()
+            self._frictions = [JointFriction(self._linkage, friction) for friction in frictions]
 
     def solve(self) -> None:
         """Follow the pose through the samples and enclose each."""
@@ -116,7 +127,7 @@ class MultiprecisionSimulation:
                 goal = linkage.drive(float(command.position))  # the drive's channel is where the pose is
                 q = continuation.follow(q, goal)
                 pose = continuation.enclose(q, goal)
-                self._solutions.append(solution_in(linkage, self._force, pose, command))
+                self._solutions.append(solution_in(linkage, self._force, pose, command, self._frictions))
             self.residuals = proven_errors(linkage, self._solutions)
         self.counters = continuation.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
@@ -129,5 +140,6 @@ class MultiprecisionSimulation:
         linkage, runs = self._linkage, zip(self._commands, self._solutions, strict=True)
         with ctx.workdps(self._settings.digits):
             table = [[float(ball) for ball in (c.time, *_values(linkage, solution))] for c, solution in runs]
-        samples = dict(zip(channels(linkage.scene), np.array(table).T, strict=True))
+        # Forces that nobody asks for are those without friction, and fewer.
+        samples = dict(zip(channels(linkage.scene), np.array(table).T, strict=False))
         return Motion({channel: samples[channel] for channel in self._request.wanted(linkage.scene)})

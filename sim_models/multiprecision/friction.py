@@ -1,0 +1,158 @@
+"""Friction of pins and guides in balls: the multipliers' own part in the equations that they solve.
+
+The rates do not depend on the forces, so the sense s of each friction is known. With c the arm of a pin's friction
+circle, or a guide's coefficient, and g what presses the joint's surfaces together, N, its moment or force is
+
+    t = -c s g - v rate,    g = Σ |P λ|    over the resultant of a pin, or the two ends of a guide's contact      (1)
+
+and λ = λ0 - Y t, Y being the multipliers that balance a unit of each: as many equations as there are frictions, for g.
+"""
+
+from collections.abc import Sequence
+
+from flint import arb, arb_mat
+
+from scenes import Failure, Status
+from scenes.elements.friction import AT_REST, Friction, PinFriction
+
+from .constraints import LinkageEquations
+from .rows import EquationRows, angles, column, solved
+
+GROWTH = 0.5  # largest change of any g in one step of the factor on all coefficients, of the largest g
+LEAST_STEP = 1e-12  # of that factor, so near to one where forces grow without bound, or where two solutions meet
+ITERATIONS = 30  # of Newton's; each end of a contact that lifts off takes one more
+CLOSE = 1e-25  # of the largest g, a last correction; what it leaves is about its square
+ANY_DIRECTION = arb(0, 1)
+
+
+class JointFriction:
+    """One joint's friction: its `work` for a unit of it, and the P of (1) for the two multipliers of its `rows`."""
+
+    def __init__(self, linkage: LinkageEquations, friction: Friction) -> None:
+        scene = linkage.scene
+        self.mu, self.viscous, self.smooth = arb(friction.coefficient), arb(friction.viscous or 0), friction.smooth
+        self.radius: arb | None = None
+        if isinstance(friction, PinFriction):
+            pin = friction.pin(scene)
+            joint, self.radius = scene.pins.index(pin), arb(friction.radius)
+            self.work = EquationRows(1, len(linkage.index))
+            linkage.add_angle(self.work, 0, pin.second, pin.first)
+            self.presses = [arb_mat([[1, 0], [0, 1]])]
+        else:
+            joint = len(scene.pins) + list(scene.slides).index(friction.slider)
+            self.work = linkage.displacement(friction.slider)
+            self.presses = [arb_mat([[arb(0.5), end / arb(friction.length)]]) for end in (1, -1)]
+        self.rows = 2 * joint, 2 * joint + 1
+
+    def coefficient(self, factor: float) -> arb:
+        """Return c with a factor on mu: r sin φ with tan φ = mu, or mu."""
+        mu = self.mu * factor
+        return mu if self.radius is None else self.radius * mu / (1 + mu * mu).sqrt()
+
+    def sense(self, rate: arb, turning: arb, moving: arb) -> arb:
+        """Return s; `turning` and `moving` are the largest rates of all bodies, and of all points."""
+        if self.smooth is not None:
+            return (rate / self.smooth).tanh()
+        return rate.sgn() if abs(rate) > AT_REST * (moving if self.radius is None else turning) else arb(0)
+
+
+def resisted(
+    linkage: LinkageEquations, frictions: Sequence[JointFriction], q: arb_mat, velocity: arb_mat, without: arb_mat
+) -> arb_mat:
+    """Return the multipliers, from those without friction, then all t and their power; Failure as of `Pressed`."""
+    works = [friction.work.jacobian(q) for friction in frictions]
+    rates = [(work * velocity)[0, 0] for work in works]
+    speeds = (linkage.points.jacobian(q) * velocity).entries()
+    moving = max((x * x + y * y).nonnegative_part().sqrt() for x, y in zip(speeds[::2], speeds[1::2], strict=True))
+    turning = max(map(abs, angles(velocity)))
+    units = arb_mat([work.entries() for work in works]).transpose()
+    Y = solved(linkage.transposed_groups, linkage.constraints.jacobian(q).transpose(), units)
+    viscous = [friction.viscous * rate for friction, rate in zip(frictions, rates, strict=True)]
+    given = without + Y * column(viscous)
+    pressed = Pressed(linkage.scene.where(float(linkage.position.value(q)[0, 0])))
+    for i, (friction, rate) in enumerate(zip(frictions, rates, strict=True)):
+        pressed.senses.append((friction, friction.sense(rate, turning, moving)))
+        pressed.terms += [(i, P * _of(given, friction.rows), P * _of(Y, friction.rows)) for P in friction.presses]
+    dry = pressed.factors(1.0) * column(pressed.enclosed(pressed.followed()))
+    t = [-x - v for x, v in zip(dry.entries(), viscous, strict=True)]
+    power = sum((x * rate for x, rate in zip(t, rates, strict=True)), arb(0))
+    return column([*(given + Y * dry).entries(), *t, power])
+
+
+class Pressed:
+    """The equations (1) of one sample for g: g = Σ |a + B c s g| over its terms (friction, a, B).
+
+    Failure: `jammed`, where g without friction does not go on to g with all of it; `not_converged`, not proven.
+    """
+
+    def __init__(self, place: str) -> None:
+        self.place = place  # of the drive
+        self.senses: list[tuple[JointFriction, arb]] = []
+        self.terms: list[tuple[int, arb_mat, arb_mat]] = []
+
+    def factors(self, factor: float) -> arb_mat:
+        """Return all c s, on the diagonal, with a factor on all coefficients."""
+        cs = arb_mat(len(self.senses), len(self.senses))
+        for i, (friction, s) in enumerate(self.senses):
+            cs[i, i] = friction.coefficient(factor) * s
+        return cs
+
+    def followed(self) -> Sequence[arb]:
+        """Return g about, followed over the factor from 0 to 1."""
+        factor, step = 0.0, 1.0
+        g = self._newton(0.0, [arb(0)] * len(self.senses)) or []
+        while factor < 1:
+            trial = min(factor + step, 1.0)
+            found = self._newton(trial, g)
+            if found and max(abs(x - y) for x, y in zip(found, g, strict=True)) <= GROWTH * max(g):
+                factor, step, g = trial, 2 * step, found
+            elif step > LEAST_STEP:
+                step /= 2
+            else:
+                reason = f"friction holds the linkage at {self.place}, from {factor:.6g} of its coefficients on"
+                raise Failure(Status.jammed, reason)
+        return g
+
+    def enclosed(self, g: Sequence[arb]) -> Sequence[arb]:
+        """Return balls that hold one solution: Newton's method for intervals takes their neighbourhood into itself."""
+        try:
+            open_by, slopes = self._equations(1.0, g)
+            radius = 2 * max(x.abs_upper() for x in slopes.solve(open_by).entries()) + CLOSE * max(g)
+            domain = [x + radius * arb(0, 1) for x in g]
+            change = self._equations(1.0, domain)[1].solve(open_by).entries()
+            found = [x - dx for x, dx in zip(g, change, strict=True)]
+            if all(x.contains(y) for x, y in zip(domain, found, strict=True)):
+                return found
+        except ZeroDivisionError:
+            pass  # it is not proven that the slopes are regular
+        raise Failure(Status.not_converged, f"the digits do not prove the friction's forces at {self.place}")
+
+    def _newton(self, factor: float, g: Sequence[arb]) -> Sequence[arb] | None:
+        """Return g where Newton's method converges, on the side of where two solutions meet that it starts from."""
+        for _ in range(ITERATIONS):
+            open_by, slopes = self._equations(factor, g)
+            try:
+                change = slopes.mid().solve(open_by.mid()).entries()
+            except ZeroDivisionError:
+                return None
+            g = [(x - dx).mid() for x, dx in zip(g, change, strict=True)]
+            if max(map(abs, change)) <= CLOSE * max(g):
+                return g if slopes.mid().det() > 0 else None
+        return None
+
+    def _equations(self, factor: float, g: Sequence[arb]) -> tuple[arb_mat, arb_mat]:
+        """Return g - Σ |a + B c s g| and its slopes; where the balls hold a kink, all of those there."""
+        every, cs = range(len(g)), self.factors(factor)
+        open_by, slopes = column(g), arb_mat([[int(i == j) for j in every] for i in every])
+        for i, a, B in self.terms:
+            force = a + B * cs * column(g)
+            size = (force.transpose() * force)[0, 0].nonnegative_part().sqrt()
+            normal = [x / size if size > 0 else ANY_DIRECTION for x in force.entries()]
+            open_by[i, 0] -= size
+            for j, slope in zip(every, (arb_mat([normal]) * B * cs).entries(), strict=True):
+                slopes[i, j] -= slope
+        return open_by, slopes
+
+
+def _of(matrix: arb_mat, rows: tuple[int, int]) -> arb_mat:
+    return arb_mat([[matrix[i, j] for j in range(matrix.ncols())] for i in rows])
