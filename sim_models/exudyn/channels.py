@@ -53,10 +53,12 @@ def _wanted(every: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, A
     return {name: np.ascontiguousarray(samples) for name, samples in every.items() if name in wanted}
 
 
-def forces(system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
-    """The force channels, from multipliers of shape (n, constraints)."""
+def forces(
+    system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str], friction: Mapping[str, Array] = {}
+) -> dict[str, Array]:
+    """The force channels, from multipliers of shape (n, constraints), and those of friction."""
     multipliers, scene = multipliers * system.force_unit, system.scene
-    every: dict[str, Array] = {}
+    every = dict(friction)
     for pin, joint in system.pins.items():
         fx, fy = -multipliers[:, system.columns(joint)].T
         every |= {f"{pin}.fx": fx, f"{pin}.fy": fy}

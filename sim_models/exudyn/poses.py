@@ -151,6 +151,11 @@ class PoseSolver:
         curvature = self._curvature(q, tangent, inverse) if curved else np.full_like(q, np.nan)
         return Configuration(position, q, tangent, curvature, inverse, self.branch(jacobian))
 
+    def closed(self, q: Array, position: Array) -> Configuration:
+        """The states, without curvatures, near coordinates that an integration has left a little open."""
+        near, closes = self._corrected(q, position, np.full(position.shape, LARGEST_CORRECTION))
+        return self.state(np.where(closes[..., np.newaxis], near, q), position, curved=False)
+
     def multipliers(self, state: Configuration, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
         """The Lagrange multipliers of a motion that has this state at an instant, s."""
         forces = self.equations.forces(state.q, state.velocities(rate), time)

@@ -1,5 +1,8 @@
 """What both routes share, the system at its start and its channels; and the pointwise route."""
 
+from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
+
 import numpy as np
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
@@ -7,6 +10,7 @@ from scenes.model.engine import equal_steps
 from scenes.model.motion import quantity
 
 from .. import channels
+from ..friction import JointFriction
 from ..loads import add_loads
 from ..poses import SECONDS, PoseSolver
 from ..start import begun
@@ -32,6 +36,7 @@ class ExudynSimulation:
         self.system = self.poses.system
         add_loads(self.system, self._switches, self._at_start)
         self.times, self.positions = self.sampling.times(scene), self.sampling.commanded(scene)
+        self._jam: Failure | None = None
         self.counters: dict[str, int] = {}
         self.residuals: dict[str, float] = {}
 
@@ -47,8 +52,19 @@ class ExudynSimulation:
         wanted = set(self.sampling.wanted(self.scene))
         samples = channels.kinematics(self.system, wanted, self._q, v, *others[:1])
         if len(others) > 1:
-            samples |= channels.forces(self.system, others[1], wanted)
+            samples |= self._forces(others[1], wanted)
         self._motion = Motion({"time": self.times} | samples)
+
+    def _forces(self, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
+        """The force channels; that friction jams is told later, after what makes it doubtful."""
+        resisting: Mapping[str, Array] = {}
+        if self.scene.friction:
+            rates = self.scene.drive.at(self.times).rate
+            try:
+                multipliers, resisting = JointFriction(self.poses).act(self._q, multipliers, self.positions, rates)
+            except Failure as jam:
+                self._jam = jam
+        return channels.forces(self.system, multipliers, wanted, resisting)
 
     def read(self) -> Motion:
         """The channels, unless a spring has no direction at an instant, which Exudyn takes for no force."""
@@ -59,7 +75,13 @@ class ExudynSimulation:
                 where = self.scene.where(self.positions[np.argmin(length)])
                 reason = f"a spring has no direction at {where}: {p} and {q} meet"
                 raise Failure(Status.nonfinite, reason, self._motion)
+        self._check_branch()
+        if self._jam is not None:
+            raise self._jam
         return self._motion
+
+    def _check_branch(self) -> None:
+        """Refuse poses of another branch than the start's; those that are followed have the same."""
 
     def _solved(self) -> Array:
         """Find the samples, shape (2 to 4, n, 3 bodies)."""

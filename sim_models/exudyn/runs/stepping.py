@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenes import Failure, Motion, Request, Scene, Status
+from scenes import Failure, Request, Scene, Status
 
 from ..ablations import ReducedSystem, SpatialSystem, add_extras
 from ..drive import ExudynDrive, Part, pieces
@@ -185,17 +185,15 @@ class TimeSteppedSimulation(ExudynSimulation):
             return singular
         return Failure(Status.diverged, f"Newton's method found no solution for the step at {self._where(clock)}")
 
-    def read(self) -> Motion:
-        """The channels, unless the poses are of another branch than the start's."""
-        motion, start, poses = super().read(), self._at_start, self.poses
+    def _check_branch(self) -> None:
+        start, poses = self._at_start, self.poses
         jacobians = (poses.equations.jacobian(self._q[rows]) for rows in blocks(self._q))
         other = np.concatenate([*map(poses.branch, jacobians)]) * start.branch < 0
         if other.any():
             positions = self.positions[: int(other.argmax()) + 1]
             poses.through(start, positions, curved=False)  # it raises where it meets the singular pose
             where = self.scene.where(float(positions[-1]))
-            raise Failure(Status.wrong_branch, f"the bodies are assembled the other way round at {where}", motion)
-        return motion
+            raise Failure(Status.wrong_branch, f"the bodies are assembled the other way round at {where}", self._motion)
 
 
 def _configure(model: ExudynSystem, options: TimeStepping) -> None:

@@ -1,0 +1,171 @@
+"""Friction in the joints: loads by what Exudyn's multipliers say that the joints carry, until the two agree.
+
+The motion is prescribed, so that only the multipliers of an instant change: C_q^T lambda = f - M a + B y, where B^T v
+are the rates of the joints' parts on each other, and y what friction does there, N m or N. What a joint carries is
+linear in the multipliers:
+
+    r = r0 + K y,    y = -c s |r|,                                                                                  (1)
+
+with a pin's force, or a guide's N and 2 M / length and the larger of both for |r|; c is the radius of the friction
+circle, or the coefficient, and s the sense of the rate. The solution is the one that a common factor on all
+coefficients leads to, from 0 to 1.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Failure, Status
+from scenes.elements.friction import PinFriction
+from scenes.scene import GROUND
+
+from .channels import forces, kinematics
+from .equations import blocks
+from .poses import PoseSolver
+from .system import TURN, Array, ExudynSystem
+
+PROVEN = 0.95  # a bound on the contraction of (1), below which it has one solution, which no step can miss
+NEAR = 0.2  # of the largest force: so much do forces change at most in a step of the factor that is not proven
+LEAST_STEP = 1e-8  # of the factor, before no solution follows
+ITERATIONS = 20  # of Newton's method, where (1) has kinks
+CONVERGED = 1e-8  # the last correction, of the largest force; it is squared in the next one
+
+
+class JointFriction:
+    """The friction of a scene, on the system of its poses."""
+
+    def __init__(self, poses: PoseSolver) -> None:
+        self._poses, self._scene = poses, poses.system.scene
+        every = self._scene.friction
+        pins = [isinstance(one, PinFriction) for one in every]
+        self._pins, self._bend = np.array(pins), np.array([one.coefficient for one in every]) * pins
+        self._slope = np.array([(one.radius if isinstance(one, PinFriction) else 1) * one.coefficient for one in every])
+        self._viscous = np.array([one.viscous or 0.0 for one in every])
+        self._carried = _carried(poses.system)
+
+    def act(self, q: Array, multipliers: Array, positions: Array, rates: Array) -> tuple[Array, Mapping[str, Array]]:
+        """The multipliers with friction, shape (n, constraints), and its channels; Failure where it jams.
+
+        The multipliers without it are given, and the drive's positions and rates, shape (n,).
+        """
+        given = q, multipliers, positions, rates
+        found = [self._at(*(values[rows] for values in given)) for rows in blocks(q)]
+        loaded, acting, slip = map(np.concatenate, zip(*found, strict=True))
+        channels = [one.channel(self._scene) for one in self._scene.friction]
+        power = (acting * slip).sum(axis=1)
+        return loaded, dict(zip([*channels, "friction.power"], [*acting.T, power], strict=True))
+
+    def _at(self, q: Array, multipliers: Array, positions: Array, rates: Array) -> tuple[Array, Array, Array]:
+        """The multipliers with friction, what it does, shape (n, joints), and the joints' rates."""
+        state, system = self._poses.closed(q, positions), self._poses.system  # what was recorded may move at rest
+        v, directions = state.velocities(rates), _directions(system, state.q)
+        slip = np.einsum("nkj,nk->nj", directions, v)
+        change = np.einsum("nkc,nkj->njc", state.inverse, directions) / system.force_unit
+        viscous = -self._viscous * slip
+        multipliers = multipliers + np.einsum("nj,njc->nc", viscous, change)
+        r0 = np.einsum("irc,nc->nir", self._carried, multipliers)
+        K = np.einsum("irc,njc->njir", self._carried, change)
+        coulomb = self._followed(r0, K, self._senses(state.q, v, slip), positions)
+        return multipliers + np.einsum("nj,njc->nc", coulomb, change), viscous + coulomb, slip
+
+    def _senses(self, q: Array, v: Array, slip: Array) -> Array:
+        """The sense s of every joint's rate."""
+        points, turning = self._scene.moving_points, self._scene.turning
+        names = [*(f"{point}.v{axis}" for point in points for axis in "xy"), *(f"{body}.omega" for body in turning)]
+        found = kinematics(self._poses.system, set(names), q, v)
+        still = [np.zeros(len(q))]
+        spin = np.max([*still, *(np.abs(found[f"{body}.omega"]) for body in turning)], axis=0)
+        speed = np.max([*still, *(np.hypot(found[f"{p}.vx"], found[f"{p}.vy"]) for p in points)], axis=0)
+        pairs = zip(self._scene.friction, self._pins, slip.T, strict=True)
+        return np.transpose([one.sense(rate, spin if pin else speed) for one, pin, rate in pairs])
+
+    def _followed(self, r0: Array, K: Array, sense: Array, positions: Array) -> Array:
+        """Follow the solution y of (1) from a factor of 0 to 1, at each instant in steps of its own."""
+        y, factor = np.zeros(sense.shape), np.zeros(len(sense))
+        contraction = np.abs(np.linalg.eigvals(self._norm(K) * np.abs(self._slope * sense)[:, np.newaxis])).max(axis=1)
+        step = PROVEN / np.maximum(contraction, PROVEN)
+        while len(rows := np.flatnonzero((factor < 1) & (step >= LEAST_STEP))):
+            to = np.minimum(factor[rows] + step[rows], 1.0)
+            found, closes = self._newton(y[rows], r0[rows], K[rows], sense[rows], to)
+            moved = self._moved(found - y[rows], K[rows]) <= NEAR * self._largest(found, r0[rows], K[rows])
+            closes &= moved | (factor[rows] == 0)
+            y[rows[closes]], factor[rows[closes]] = found[closes], to[closes]
+            step[rows] *= np.where(closes, 2.0, 0.5)
+        if (factor < 1).any():
+            row = int(np.argmax(factor < 1))
+            where = self._scene.where(float(positions[row]))
+            reason = f"friction jams at {where}: no forces follow past {factor[row]:.4g} of its coefficients"
+            raise Failure(Status.jammed, reason)
+        return y
+
+    def _newton(self, y: Array, r0: Array, K: Array, sense: Array, factor: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Solve (1) with a factor from a y near; and where that is the solution which no other has met since 0."""
+        factors = factor[:, np.newaxis]
+        c = sense * self._slope * factors / np.sqrt(1 + (self._bend * factors) ** 2)
+        closes, one = np.zeros(len(y), dtype=bool), np.eye(y.shape[1])
+        for _ in range(ITERATIONS):
+            r = r0 + np.einsum("njir,nj->nir", K, y)
+            J = one + c[..., np.newaxis] * np.einsum("nir,njir->nij", self._gradient(r), K)
+            sign: Array = np.asarray(np.linalg.slogdet(J)[0])
+            J[~(sign > 0)] = one
+            correction: Array = np.asarray(np.linalg.solve(J, (y + c * self._norm(r))[..., np.newaxis]))[..., 0]
+            y = y - correction
+            closes = (sign > 0) & (self._moved(correction, K) <= CONVERGED * self._largest(y, r0, K))
+            if closes.all():
+                break
+        return y, closes
+
+    def _largest(self, y: Array, r0: Array, K: Array) -> Array:
+        return np.asarray(self._norm(r0 + np.einsum("njir,nj->nir", K, y)).max(axis=1))
+
+    def _moved(self, change: Array, K: Array) -> Array:
+        """How far a change of y moves the forces at most, N."""
+        return self._largest(change, np.zeros(1), K)
+
+    def _norm(self, r: Array) -> Array:
+        """What friction goes by, N, of what the joints carry, shape (..., joints, 2)."""
+        return np.where(self._pins, np.hypot(r[..., 0], r[..., 1]), np.abs(r).max(axis=-1))
+
+    def _gradient(self, r: Array) -> Array:
+        size = self._norm(r)[..., np.newaxis]
+        larger = np.sign(r) * np.eye(2)[np.abs(r).argmax(axis=-1)]
+        return np.where(self._pins[:, np.newaxis], r / np.where(size > 0, size, 1.0), larger)
+
+
+def _carried(system: ExudynSystem) -> Array:
+    """What joints with friction carry, N, by the multipliers, shape (joints, 2, constraints)."""
+    one, rows = np.eye(3 * len(system.bodies)), []
+    for friction in system.scene.friction:
+        if isinstance(friction, PinFriction):
+            pin = friction.pin(system.scene).channel
+            names: Any = {f"{pin}.fx": 1.0, f"{pin}.fy": 1.0}
+        else:
+            names = {f"{friction.slider}.guide_force": 1.0, f"{friction.slider}.guide_moment": 2 / friction.length}
+        found = forces(system, one, names.keys())
+        rows.append([found[name] * factor for name, factor in names.items()])
+    return np.array(rows)
+
+
+def _directions(system: ExudynSystem, q: Array) -> Array:
+    """B: what turns or slides on the coordinates by a unit moment or force of friction, shape (n, 3 bodies, joints)."""
+    scene, names = system.scene, list(system.bodies)
+    directions = np.zeros((*q.shape, len(scene.friction)))
+    for friction, B in zip(scene.friction, np.moveaxis(directions, -1, 0), strict=True):
+        if isinstance(friction, PinFriction):
+            pin = friction.pin(scene)
+            for body, sign in ((pin.first, -1), (pin.second, 1)):
+                if body != GROUND:
+                    B[:, 3 * names.index(body) + TURN] = sign
+            continue
+        slider, on = friction.slider, scene.slides[friction.slider].on
+        (com, angle), (_, turn) = system.pose_of(slider, q), system.pose_of(on, q)
+        along = system.along(slider) * np.exp(1j * (turn + 0 * angle))
+        first = com + system.lever(slider) * np.exp(1j * angle)
+        for body, sign in ((on, -1), (slider, 1)):
+            if body != GROUND:
+                turns = ((first - system.pose_of(body, q)[0]).conjugate() * along).imag
+                number = 3 * names.index(body)
+                B[:, number : number + 3] = sign * np.stack([along.real, along.imag, turns], axis=1)
+    return directions
