@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenes.model.motion import Samples, force_channels
+from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import GROUND
 
 from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, blocks, solved
+from .friction import with_friction
 from .loads import Active, applied, instants
 from .masses import held
 
@@ -83,13 +84,14 @@ def wanted_channels(
         for quantity, values in zip(("angle", "omega", "alpha"), motion, strict=True):
             if f"{name}.{quantity}" in wanted:
                 samples[f"{name}.{quantity}"] = values[:, linkage.index[name], 2]
-    if wanted.isdisjoint(force_channels(scene)):
+    if wanted.isdisjoint(force_channels(scene) + friction_channels(scene)):
         return samples
-    return samples | reaction_channels(linkage, motion, applied(linkage, instants(linkage, time, *motion[:2]), active))
+    found = reaction_channels(linkage, motion, applied(linkage, instants(linkage, time, *motion[:2]), active))
+    return samples | (with_friction(linkage, time, motion.q, found) if scene.friction else found)
 
 
 def reaction_channels(linkage: LinkageConstraints, motion: Motions, forces: PoseArray) -> dict[str, Samples]:
-    """All force channels, shape (n,): J^T lambda = M q'' - F, of true masses; `forces`, (n, bodies, 3), are F."""
+    """The force channels without friction, (n,): J^T lambda = M q'' - F, of true masses; `forces`, (n, bodies, 3)."""
     q, _, a = motion
     lacking = 0.0 - forces
     for name, member in linkage.members.items():

@@ -143,6 +143,12 @@ def assembles(linkage: LinkageConstraints, q: PoseArray, positions: Samples) -> 
     return _newton(linkage, q, positions, np.zeros(3 * q.shape[1])) is not None
 
 
+def closed(linkage: LinkageConstraints, q: PoseArray) -> PoseArray:
+    """The poses near n poses that close all joints, the drive where it is; as they are if any has none."""
+    found = _newton(linkage, q, linkage.drive_position(q), np.zeros(3 * q.shape[1]))
+    return q if found is None else found
+
+
 def way(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) -> Iterator[DrivePlace]:
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
     low, high = linkage.scene.drive.extent

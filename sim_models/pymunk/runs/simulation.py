@@ -15,11 +15,13 @@ from scenes.scene import GROUND, ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
 from ..constraints import LinkageConstraints, PoseArray, blocks
+from ..friction import with_friction
 from ..loads import active_presses, applied, instants, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
 from ..sweeps import enough_sweeps
+from .motors import forces_with_motors
 from .stepping import Integration, TextbookRun
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
@@ -98,6 +100,9 @@ class PymunkSimulation:
         linkage, runs = self._linkage, self._runs
         try:
             residuals = [check_path(linkage, run.path, run.positions, self._branch) for run in runs]
+            if (power := self._channels.get("friction.power")) is not None:
+                commanded = samples[self._scene.drive_channel]
+                _require(self._scene, power != -np.inf, commanded, Status.jammed, "friction holds the linkage")
             finite: NDArray[np.bool_] = np.all(np.isfinite([*samples.values()]), axis=0)
             commanded = samples[self._scene.drive_channel]
             _require(self._scene, finite, commanded, Status.nonfinite, "a result is not finite")
@@ -114,9 +119,23 @@ class PymunkSimulation:
         """Find the residual of the forces that follow from a run's motion, against the engine's own."""
         motion = run.motions
         at = instants(self._linkage, self._times, motion.q, run.rates)
-        reactions = reaction_channels(self._linkage, motion, applied(self._linkage, at, run.active))
+        forces = applied(self._linkage, at, run.active)
+        reactions = reaction_channels(self._linkage, motion, forces)
         expected, own = joint_forces(self._linkage, motion, reactions, run.joints), run.impulses / run.steps.size
-        return check_impulses(self._linkage, run.positions[:: run.steps.stride], expected, own)
+        residuals = check_impulses(self._linkage, run.positions[:: run.steps.stride], expected, own)
+        return residuals | (self._rubbed(run, forces, reactions) if self._scene.friction else {})
+
+    def _rubbed(self, run: Integration, forces: PoseArray, reactions: Mapping[str, Samples]) -> dict[str, float]:
+        """Find how far the forces with friction are from those of the engine's own motors, by the largest.
+
+        No run fails by it: where a joint hardly moves, it takes the motors more sweeps to give way than a step has.
+        """
+        motion = run.motions
+        found = with_friction(self._linkage, self._times, motion.q, reactions)
+        expected = joint_forces(self._linkage, motion, found, run.joints)
+        own, alike = forces_with_motors(self._linkage, run, forces, found)
+        mismatch = np.abs(expected - own)[alike].max(initial=0.0)
+        return {"friction": float(mismatch / (expected[alike].max(initial=0.0) or 1.0))}
 
 
 def _richardson(values: Sequence[PoseArray]) -> PoseArray:

@@ -65,8 +65,8 @@ class Integration:
         driven = scene.drive.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
         self._driven, self.positions = driven.position, driven.position[pre_roll:-1]
         first = rates(self._linkage, pose, float(driven.rate[0]))
-        self._model = model = Model(self._linkage, pose, first, settings.error_bias(dt), settings.extra)
-        model.space.gravity = (scene.gravity if with_forces else None) or (0, 0)
+        self._gravity = (scene.gravity if with_forces else None) or (0, 0)
+        self._model = model = self.model(pose, first)
         self._forces = AppliedForces(self._linkage, model.bodies, stroke_ends, dt) if with_forces else None
         self.joints = model.joints if with_forces else {}
         bodies, by_properties = model.bodies.values(), settings.extra == "properties"
@@ -76,6 +76,13 @@ class Integration:
         self.impulses = np.empty((count // stride + 1, len(self.joints)))
         presses = sum(isinstance(load, PressForce) for load in scene.loads)
         self.active: Active = np.zeros((count // stride + 1, presses), dtype=np.bool_)
+
+    def model(self, pose: PoseArray, rate: PoseArray) -> Model:
+        """A space of the run's, at a pose with some rates, each of shape (1, bodies, 3), to begin with more sweeps."""
+        settings = self._settings
+        model = Model(self._linkage, pose, rate, settings.error_bias(self.steps.size), settings.extra)
+        model.space.gravity, model.space.iterations = self._gravity, FIRST_SWEEPS * settings.iterations
+        return model
 
     @property
     def counters(self) -> dict[str, int]:
@@ -89,7 +96,6 @@ class Integration:
         follows = self._model.drive is not None or not isinstance(self._linkage.scene.drive, ConstantSpeed)
         joints = [*self.joints.values()]
         recorder.append()
-        space.iterations = FIRST_SWEEPS * self._settings.iterations
         for k in range(1 - steps.pre_roll, steps.count + 1):
             if k % steps.stride == 0:
                 budget.check(f"step {k} of {steps.count}")

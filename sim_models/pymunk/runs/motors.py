@@ -1,0 +1,69 @@
+"""Friction as an impulse engine has it: a motor of no rate at a pin, a groove across a guide, of a largest force.
+
+The motion turns and slides them all the same, so they give way and resist with their largest, in the sense that the
+engine finds by itself. They would not change a run's motion: the steps of its samples are taken once more with them.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+
+from scenes.model.motion import Samples
+from scenes.scene import GROUND, Friction, GuideFriction
+
+from ..bodies import pair
+from ..constraints import LinkageConstraints, PoseArray
+from ..friction import directions
+from ..space import Bodies
+from .stepping import FIRST_SWEEPS, Integration
+
+
+def forces_with_motors(
+    linkage: LinkageConstraints, run: Integration, forces: PoseArray, found: Mapping[str, Samples]
+) -> tuple[Samples, NDArray[np.bool_]]:
+    """The engine's own forces, shape (n, joints), N, with friction as large as `found`; and where it has its sense.
+
+    `forces`, (n, bodies, 3), act besides. The rates of a step are those of its middle, half a step later.
+    """
+    size, before, after = run.steps.size, run.record[: -1 : run.steps.stride], run.record[1 :: run.steps.stride]
+    rates, prescribed = before[..., 3:].copy(), [linkage.moved[name].prescribed for name in linkage.members]
+    rates[:, prescribed] = after[:, prescribed, 3:]
+    begin = after[..., :3] - size * rates
+    model = run.model(begin[:1], rates[:1])
+    bodies, sweeps = model.bodies | {GROUND: model.space.static_body}, model.space.iterations
+    channels = {one.channel(linkage.scene): one for one in linkage.scene.friction}
+    motors = {name: motor for name, one in channels.items() if (motor := _motor(linkage, one, bodies))}
+    model.space.add(*motors.values())
+    own = np.empty((len(begin), len(model.joints)))
+    for k in range(len(begin)):
+        model.place(begin[k : k + 1], rates[k : k + 1])
+        for body, (x, y, moment) in zip(model.bodies.values(), forces[k].tolist(), strict=True):
+            body.force, body.torque = (x, y), moment
+        for name, motor in motors.items():
+            motor.max_force = abs(found[name][k])
+        model.space.step(size)
+        model.space.iterations = sweeps // FIRST_SWEEPS
+        own[k] = [joint.impulse / size for joint in model.joints.values()]
+    slips = np.einsum("nkbi,nbi->nk", directions(linkage, after[..., :3]), after[..., 3:])
+    return own, np.all(slips * np.stack([found[name] for name in channels], axis=1) <= 0, axis=1)
+
+
+def _motor(linkage: LinkageConstraints, friction: Friction, bodies: Bodies) -> pymunk.Constraint | None:
+    """What resists the joint's motion, and corrects no position; None between bodies that forces do not move."""
+    places: list[tuple[float, float]] = []
+    if isinstance(friction, GuideFriction):
+        slide, first = linkage.slides[friction.slider], linkage.first_arm(friction.slider)
+        middle, along = linkage.through(friction.slider), complex(*slide.along)
+        across = 2j * (len(bodies) * linkage.size) * along  # no body gets further
+        ends, places = (slide.on, friction.slider), [pair(middle - across), pair(middle + across), pair(first)]
+    else:
+        pin = friction.pin(linkage.scene)
+        ends = pin.first, pin.second
+    one, other = (bodies[name] for name in ends)
+    if pymunk.Body.DYNAMIC not in (one.body_type, other.body_type):
+        return None
+    motor = pymunk.GrooveJoint(one, other, *places) if places else pymunk.SimpleMotor(one, other, 0)
+    motor.error_bias = 1
+    return motor
