@@ -16,6 +16,7 @@ from scenes.scene import GROUND, Body
 
 from ..mechanics.bodies import distances
 from ..mechanics.elements import LoadedBody, drive_power, loaded_bodies
+from ..mechanics.friction import unresting
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from ..mechanics.motion_vectors import Acts, MotionVectors
 from ..mechanics.projection import projected
@@ -149,7 +150,7 @@ def estimate(
     scale, far = scales(mechanics, closed, travel), off_origin(mechanics, motion)
     eps = [EPS * turns, *[EPS * np.maximum(turns, far)] * (len(POWERS) - 1)]  # places themselves are as large as far
     true = Motion({**closed.samples, **fitting})
-    errors, units = relative_errors(motion, true, scale), {**scale, **mechanics.newtons}
+    errors, units = unresting(mechanics, closed, relative_errors(motion, true, scale)), {**scale, **mechanics.newtons}
     for kind, power in enumerate(POWERS):  # rounding is by the largest value of a kind, in units that make them alike
         own = [channel for channel in errors if KINDS[mechanics.groups[channel]] == kind]
         values = (np.abs(true[channel]) / units[channel] for channel in own)

@@ -15,6 +15,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
 from .bodies import inertia
+from .friction import ends
 from .motion_vectors import MotionVectors, Vectors, press_forces
 
 Element: TypeAlias = Load | Spring | TorsionSpring
@@ -46,10 +47,13 @@ class LoadedBody(NamedTuple):
 
 
 def applied(state: MotionVectors, body: Body) -> Iterator[AppliedForce]:
-    """Yield what acts on a body from without: loads, springs, gravity."""
+    """Yield what acts on a body from without: loads, springs, friction, gravity."""
     scene = state.scene
     for _, element in scene.elements:
         yield from of_element(state, element, body.name)
+    for one in scene.friction:
+        for push, at, velocity, moment in ends(state, one, body.name):
+            yield AppliedForce(push, at, velocity, f"the friction of {one.channel(scene)}", moment)
     if scene.gravity is not None:
         z, v, _ = state.com(body)
         weight = np.full(z.shape, (body.mass or 0.0) * complex(*scene.gravity))

@@ -10,7 +10,7 @@ import numpy as np
 
 from scenes import Failure, Scene
 from scenes.fields import At, put, walk
-from scenes.model.motion import UNITS, channels, force_channels, quantity
+from scenes.model.motion import UNITS, channels, force_channels, friction_channels, quantity
 from scenes.scene import PressForce
 
 from ..engines import registry
@@ -24,6 +24,7 @@ GROUPS: Mapping[str, str] = (
     | dict.fromkeys(("vx", "vy", "omega"), "velocity")
     | dict.fromkeys(("ax", "ay", "alpha"), "acceleration")
     | dict.fromkeys(("fx", "fy", "guide_force", "guide_moment"), "reaction")
+    | dict.fromkeys(("friction_moment", "friction_force", "power"), "reaction")
     | {"torque": "torque", "force": "force", "crank_angle": "drive", "displacement": "drive"}
 )  # by quantity; every channel but the time is judged in one
 
@@ -75,6 +76,11 @@ class Mechanics:
         return force_channels(self.scene)
 
     @cached_property
+    def friction(self) -> tuple[str, ...]:
+        """The channels of its friction."""
+        return friction_channels(self.scene)
+
+    @cached_property
     def units(self) -> Mapping[str, str]:
         """By channel its unit, in the order of the files."""
         return {channel: UNITS[quantity(channel)] for channel in channels(self.scene)}
@@ -120,7 +126,7 @@ class Mechanics:
 
         try:
             others = [put(self.scene, {one.at: one.each(jittered) for one in lengths}) for _ in range(DRAWS)]
-            return tuple(map(registry.reference, others))
+            return tuple(registry.reference(other, frozenset(self.units)) for other in others)
         except Failure:
             return ()
 

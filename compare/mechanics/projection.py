@@ -18,6 +18,7 @@ from scenes.model.motion import Samples
 
 from .constraints import ClosedPoses, Matrices, planes
 from .elements import applied
+from .friction import by_law
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
 from .reference import Acting, fitted
@@ -42,9 +43,12 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
     parts = []
     for block in mechanics.constraints.blocks(motion):
         poses = mechanics.constraints.closed(block)
-        closed = {c: block[c] for c in ("time", mechanics.scene.drive_channel)} | _kinematics(mechanics, poses)
+        given = ("time", mechanics.scene.drive_channel, *(c for c in mechanics.friction if c in block))
+        closed = {c: block[c] for c in given} | _kinematics(mechanics, poses)
         acting, fitting = (
-            _loads(mechanics, block, Motion(closed), poses.inverse, ends) if mechanics.forces else ({}, {})
+            _loads(mechanics, block, Motion(closed), poses.inverse, ends)
+            if mechanics.forces and {*mechanics.friction} <= closed.keys()
+            else ({}, {})
         )
         parts.append(({**closed, **acting}, fitting, {"branch": poses.branch, "condition": poses.condition}))
     closed, fitting, known = (
@@ -85,7 +89,8 @@ def _loads(
         forces = dict(zip(mechanics.forces, multipliers.T, strict=True))
         given = [(channel, unit) for channel, unit in zip(forces, units, strict=True) if channel in motion]
         off = [unit * np.abs(forces[channel] - motion[channel]) for channel, unit in given]
-        return np.sum(off, axis=0) if off else np.zeros_like(motion["time"]), forces
+        law = by_law(computed, forces) if mechanics.friction else {}
+        return np.sum(off, axis=0) if off else np.zeros_like(motion["time"]), {**forces, **law}
 
     may = [np.concatenate(both) for both in zip(own.acts(ends), computed.acts(ends), strict=True)]
     return fitted(mechanics.presses, may, misfit)

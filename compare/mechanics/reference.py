@@ -18,6 +18,7 @@ from scenes.model.motion import Samples
 from scenes.scene import Force, PressForce
 
 from ..engines import registry
+from .friction import unresting
 from .mechanics import Mechanics
 from .motion_vectors import Acts, MotionVectors
 from .scales import chord, relative_errors, scales, travels
@@ -69,7 +70,7 @@ class Reference:
         forces are compared with those on the side where they fit best.
         """
         fitting = self.fitting(motion, true, self.acts(true) if may is None else may)
-        return relative_errors(motion, fitting, self.scale)
+        return unresting(self.mechanics, true, relative_errors(motion, fitting, self.scale))
 
     def fitting(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> Motion:
         """`true`, with the forces on a press force's switch those of the side where the motion's fit best."""
@@ -87,7 +88,7 @@ class Reference:
         def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
             other = np.empty((len(forces), rows.size))
             for scene, some in fixed(self.scene, acting):
-                standing = registry.reference(scene)(position[some], time[some])
+                standing = registry.reference(scene, frozenset(forces))(position[some], time[some])
                 other[:, some] = [standing[channel] for channel in forces]
             side = dict(zip(forces, other, strict=True))
             return off(side), side

@@ -27,7 +27,8 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
     Points are scaled by their own travel T, T w and T w^2; turning by 1 rad, w and w^2; forces by the peak magnitude of
     their pin, guide or drive. w is the crank's peak rate, or that of a driven slider over its travel.
     """
-    peaks = {channel: float(magnitude(motion, channel).max()) for channel in mechanics.forces}
+    forces = (*mechanics.forces, *mechanics.friction)
+    peaks = {channel: float(magnitude(motion, channel).max()) for channel in forces}
     for slider, points in mechanics.along_guides.items() if peaks else ():
         natural = max(travel[point] for point in points) * peaks[f"{slider}.guide_force"]
         peaks[f"{slider}.guide_moment"] = max(peaks[f"{slider}.guide_moment"], natural)  # often zero by symmetry

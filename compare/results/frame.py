@@ -33,6 +33,7 @@ KNOWN = {
     "rad/s": {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30},
     "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": pi / 180},
     "N": FORCES,
+    "W": {"W": 1.0, "kW": 1e3},
     "N*m": {f"{f}*{m}": a * b for (f, a), (m, b) in product(FORCES.items(), [*LENGTHS.items()][:2])},
     "s": {"s": 1.0, "ms": 1e-3},
 }

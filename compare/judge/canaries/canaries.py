@@ -12,7 +12,7 @@ import numpy as np
 
 from scenes import Status
 from scenes.fields import put
-from scenes.model.motion import force_channels
+from scenes.model.motion import force_channels, friction_channels
 
 from ...engines import registry
 from ..agreement import Judgement
@@ -95,7 +95,7 @@ def _lagging(copy: Thinned) -> bool:
 
 def _another_mass(copy: Thinned) -> bool:
     """Whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
-    scene, forces = copy.scene, force_channels(copy.scene)
+    scene, forces = copy.scene, force_channels(copy.scene) + friction_channels(copy.scene)
     heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
     weighed = put(scene, {("bodies", heaviest): scene.bodies[heaviest].weighed})
     heavier = put(weighed, {("bodies", heaviest, "mass"): (scene.bodies[heaviest].mass or 0.0) + 1.0})

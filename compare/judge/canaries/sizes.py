@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.model.motion import Samples, force_channels, kinematic_channels, quantity
+from scenes.model.motion import Samples, force_channels, friction_channels, kinematic_channels, quantity
 from scenes.scene import GROUND
 
 ORDERS = {"vx": 1, "vy": 1, "omega": 1, "ax": 2, "ay": 2, "alpha": 2}  # of rates
@@ -30,7 +30,8 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
         unit = max(reach[name], LEAST * max(reach.values())) if point else 1.0
         scale = unit * (scene.drive.peak_rate / travel) ** order
         by_channel[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
-    peaks = {channel: float(length(cycle, channel).max()) for channel in force_channels(scene) if channel in cycle}
+    forces = (channel for channel in force_channels(scene) + friction_channels(scene) if channel in cycle)
+    peaks = {channel: float(length(cycle, channel).max()) for channel in forces}
     for name, guide in scene.slides.items() if peaks else ():
         both = [scene.bodies[each] for each in {name, guide.on} - {GROUND}]
         lever = max(reach.get(point, 0.0) for body in both for point in body.points)

@@ -12,6 +12,7 @@ from scenes.model.motion import Samples, channels, force_channels, quantity
 
 from ...engines.runner import Run, complete
 from ...mechanics.bodies import largest_length
+from ...mechanics.friction import resting
 from ...mechanics.mechanics import GROUPS
 from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference, on_switch
@@ -213,7 +214,8 @@ def each_channel_is_seen(copy: Thinned) -> bool:
     excess, amounts = copy.excess(CLEAR), copy.amounts(CLEAR)
     count = copy.sampling.count
     # On a press force's switch the reference is that of the side that fits, with no error of the other's.
-    clear = np.setdiff1d(np.arange(count), on_switch(copy.reference.acts(copy.true)))
+    unjudged = np.flatnonzero(resting(MotionVectors(copy.scene, copy.true)))  # with friction
+    clear = np.setdiff1d(np.arange(count), [*on_switch(copy.reference.acts(copy.true)), *unjudged])
     rows = {channel: np.roll(clear, -n)[[0, len(clear) // 2]] for n, channel in enumerate(excess)}
     measured = _against(copy, {channel: amounts[channel] * np.isin(range(count), own) for channel, own in rows.items()})
     if measured.comparison is None or measured.run.found_by != "reference" or not stops(copy, measured):

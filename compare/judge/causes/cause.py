@@ -11,7 +11,8 @@ from ...mechanics.mechanics import GROUPS
 from ...results.frame import ANGLES as ANGLES
 
 MOVING, TURNING = ("x", "y", "vx", "vy", "ax", "ay"), ("angle", "omega", "alpha")
-FORCES = ("fx", "fy", "guide_force", "guide_moment", "torque", "force")
+REACTIONS = ("fx", "fy", "guide_force", "guide_moment")
+FORCES = (*REACTIONS, "torque", "force", "friction_moment", "friction_force", "power")
 GENERAL = {of: "force" if of in FORCES else group for of, group in GROUPS.items() if group != "drive"}
 VECTORS = {of: general for of, general in GENERAL.items() if of[-1] in "xy"}
 MANY = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations", "force": "forces"}
@@ -120,7 +121,7 @@ _NAMES: Sequence[tuple[bool, Callable[[str], str]]] = (  # whether it is a plura
     (True, lambda c: "all vectors" if quantity(c) in VECTORS else ""),
     (True, lambda c: f"all {POSES[GENERAL[quantity(c)]]}" if quantity(c) in GENERAL else ""),
     (True, lambda c: "all rates" if GENERAL.get(quantity(c)) in ("velocity", "acceleration") else ""),
-    (True, lambda c: "all reactions" if quantity(c) in FORCES[:4] else ""),
+    (True, lambda c: "all reactions" if quantity(c) in REACTIONS else ""),
     (True, lambda c: "all angles and their rates" if quantity(c) in TURNING else ""),
     (False, lambda c: f"all along {quantity(c)[-1]}" if quantity(c) in VECTORS else ""),
     (False, lambda c: "" if quantity(c) in FORCES else "all of the motion"),

@@ -16,6 +16,8 @@ from scenes import Failure, Motion, Rows, Scene
 from scenes.model.motion import Samples, quantity
 
 from ...engines import registry
+from ...mechanics.friction import resting
+from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference
 from ...mechanics.scales import apart, sizes
 from .cause import FORCES, Cause, Part, parts
@@ -213,7 +215,10 @@ def away_from_switches(evidence: Evidence) -> Evidence:
 def evidence(reference: Reference, sampling: Rows, motion: Motion) -> Evidence:
     """Return a motion beside what the drive commands, at rows evenly spread and at those about the worst."""
     true = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
-    return thinned(Evidence(reference, motion, true, np.arange(sampling.count)), ROWS, ABOUT)
+    whole = Evidence(reference, motion, true, np.arange(sampling.count))
+    if reference.mechanics.friction:
+        whole = whole.at(np.flatnonzero(~resting(MotionVectors(reference.scene, true))))
+    return thinned(whole, ROWS, ABOUT)
 
 
 def thinned(evidence: Evidence, most: int, about: int = 0) -> Evidence:

@@ -15,16 +15,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.model.motion import Samples, force_channels
-from scenes.scene import GROUND, Force, ForceTable, GuideForce, Load, Moment, TableForce, TorsionSpring
+from scenes.model.motion import Samples, force_channels, friction_channels
+from scenes.scene import (
+    GROUND,
+    Force,
+    ForceTable,
+    Friction,
+    GuideForce,
+    Load,
+    Moment,
+    PinFriction,
+    TableForce,
+    TorsionSpring,
+)
 
 from ...mechanics.bodies import weights
 from ...mechanics.elements import Element, of_element
+from ...mechanics.friction import by_law, ends
 from ...mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 from .cause import Cause, Kind
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
-from .scene_numbers import load_name, load_place
+from .scene_numbers import joint, load_name, load_place
 
+ROUNDS = 8  # of friction by the joints' forces: what each leaves over is some thousandths of that before
 ROWS_LATE = (0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0)
 
 
@@ -52,6 +65,25 @@ class Carried(MotionVectors):
         return np.asarray(inverse.swapaxes(1, 2) / constraints.units[:, np.newaxis] * size)
 
     def change(self, *pushes: Push) -> Channels:
+        """Return by how much the force channels change where bodies are pushed, and friction by its law with them."""
+        return self.rubbed(self.scene.friction, *pushes) if self.scene.friction else self._of(*pushes)
+
+    def rubbed(self, friction: Sequence[Friction], *pushes: Push) -> Channels:
+        """Return the same where the joints have other friction; the law is repeated, as the joints carry friction."""
+        scene, true = replace(self.scene, friction=tuple(friction)), self.motion.samples
+        before, pushed = self._of(*_resisting(self)), self._of(*pushes)
+        nothing = dict.fromkeys(
+            [*friction_channels(self.scene), *friction_channels(scene)], np.zeros(len(true["time"]))
+        )
+        now = true
+        for _ in range(ROUNDS):
+            state = replace(self, scene=scene, motion=Motion({**true, **nothing, **now}))
+            now = {**now, **nothing, **by_law(state, state.motion.samples)}
+            resisted = self._of(*_resisting(replace(state, motion=Motion(now))))
+            now |= {c: true[c] + pushed[c] - before[c] + resisted[c] for c in pushed}
+        return {c: now[c] - true.get(c, 0.0) for c in (*pushed, *nothing)}
+
+    def _of(self, *pushes: Push) -> Channels:
         """Return by how much the force channels change where bodies are pushed; on the ground it is nothing."""
         order = {name: number for number, name in enumerate(self.scene.bodies)}
         needed = np.zeros((len(self.evidence.rows), len(order), 3))
@@ -85,6 +117,12 @@ def _carried(evidence: Evidence, motion: Motion) -> Carried:
     return Carried(scene, motion, acting, evidence=evidence)
 
 
+def _resisting(state: Carried) -> list[Push]:
+    """Return what friction does on the bodies."""
+    each = ((name, one) for one in state.scene.friction for name in state.scene.bodies)
+    return [Push(name, force, at, moment) for name, one in each for force, at, _, moment in ends(state, one, name)]
+
+
 def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield loads that act elsewhere or otherwise, friction that should not be there, and shares that are left out."""
     if evidence.of_forces:
@@ -98,6 +136,7 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         yield from _switches(carried)
         yield from _shares(carried)
         yield from _friction(carried)
+        yield from _elsewhere(carried)
 
 
 def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
@@ -230,3 +269,24 @@ def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, tuple[
         at, load = carried.place(pin.point), np.abs(carried.vector(f"{pin.channel}.", "fx", "fy"))
         cause = Cause(Kind.friction, pin.channel, "the pin {place} has friction ({one}, {number})")
         yield cause, omega, load, (Push(pin.second, 0 * at, at, -1.0), Push(pin.first, 0 * at, at, 1.0))
+
+
+def _elsewhere(carried: Carried) -> Iterator[Hypothesis]:
+    """Yield friction of a pin that acts at another one, besides what that has; it may be shown as the first one's."""
+    scene, true = carried.scene, carried.motion.samples
+    pairs = ((one, pin) for one in scene.friction if isinstance(one, PinFriction) and one.arm for pin in scene.pins)
+    for one, pin in pairs:
+        there, own = replace(one, at=pin.point, body=pin.second), one.channel(scene)
+        rest = {other.channel(scene): other for other in scene.friction if other is not one}
+        if there.channel(scene) != own:
+            standing = rest.pop(there.channel(scene), None)
+            if isinstance(standing, PinFriction):
+                there = replace(there, radius=there.radius * (1 + standing.arm / one.arm))
+            change = carried.rubbed([*rest.values(), there])
+            if standing is None:
+                change = {**change, own: change[there.channel(scene)] - true[own]}
+            cause = Cause(
+                Kind.friction, joint(scene, one), "the friction of {place} acts at {one}", names=(pin.channel,)
+            )
+            now = carried.evidence.changed((1.0,), [{c: by for c, by in change.items() if c in true}])
+            yield Hypothesis(cause, now)

@@ -120,7 +120,7 @@ def _solved(
     evidence: Evidence, both: tuple[Scene, Scene], groups: Sequence[Numbers], ways: Sequence[Sequence[Channels]]
 ) -> Iterator[Hypothesis]:
     """Yield numbers that are off by what explains most, and the motion then; and the same without each of them."""
-    if len(groups) == 1 and groups[0].linear:
+    if len(groups) == 1 and groups[0].linear and not evidence.reference.scene.friction:
         x, predicted = evidence.added(ways[0])
         yield from _named(groups, [x], predicted)
         return

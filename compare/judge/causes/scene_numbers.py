@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
+from scenes.elements.friction import Friction, GuideFriction
 from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
 from scenes.model.motion import Samples
@@ -59,6 +60,7 @@ def numbers_of_causes(reference: Reference) -> Iterator[Numbers]:
     if reference.scene.has_masses:
         yield from _of_weights(reference.scene)
         yield from _of_forces(reference.scene)
+        yield from _of_friction(reference.scene)
     yield from _of_places(reference.scene)
 
 
@@ -143,6 +145,32 @@ def _of_forces(scene: Scene) -> Iterator[Numbers]:
         for of, value, text in (("stiffness", spring.stiffness, f"{what}{{stiffness}}"), unloaded, damping):
             if value is not None:
                 yield linear(Cause(Kind.spring, place, text), ({f"{at}.{of}": value},))
+
+
+def _of_friction(scene: Scene) -> Iterator[Numbers]:
+    """Yield friction of each joint and of all, what it has by the load and what by the rate, and the contacts."""
+    every: dict[str, float] = {}
+    for number, one in enumerate(scene.friction):
+        at, place = f"friction.{number}", joint(scene, one)
+        # A pin's is linear in the radius, and the coefficient cannot be told from that.
+        linear = "coefficient" if isinstance(one, GuideFriction) else "radius"
+        coulomb = {f"{at}.{linear}": getattr(one, linear)}
+        viscous = {f"{at}.viscous": one.viscous} if one.viscous else {}
+        ways = {"friction": coulomb | viscous}
+        if viscous:
+            ways |= {"Coulomb friction": coulomb, "viscous friction": viscous}
+        if isinstance(one, GuideFriction):
+            ways["length of contact"] = {f"{at}.length": one.length}
+        for what, way in ways.items():
+            yield Numbers(Cause(Kind.friction, place, f"the {what} of {{place}} is {{percent}}"), (way,))
+        every |= ways["friction"]
+    if len(scene.friction) > 1:
+        yield Numbers(Cause(Kind.friction, "all", "all friction is {percent}"), (every,))
+
+
+def joint(scene: Scene, friction: Friction) -> str:
+    """Return what a cause calls the joint of a friction: the stem of its channel."""
+    return friction.channel(scene).rpartition(".")[0]
 
 
 def load_place(load: Load | TorsionSpring) -> str:

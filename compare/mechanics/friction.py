@@ -1,0 +1,112 @@
+"""Friction as the judge has it: what a motion's own channels of it do to the bodies, and what its law asks of them."""
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+from math import atan, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Motion, Scene
+from scenes.model.motion import Samples
+from scenes.scene import Friction, PinFriction
+
+from .mechanics import Mechanics
+from .motion_vectors import MotionVectors, Vectors
+
+SLOW = 1e-6  # of the largest rate: where a joint turns round, within what engines find of its rate
+
+
+def ends(state: MotionVectors, one: Friction, name: str) -> Iterator[tuple[Vectors, Vectors, Vectors, Samples]]:
+    """Yield force, place, that place's velocity, and moment, of one friction on the body of a name."""
+    scene, size = state.scene, state.motion[one.channel(state.scene)]
+    if isinstance(one, PinFriction):
+        pin = one.pin(scene)
+        z, v, _ = state.point(pin.point)
+        for body, sign in ((pin.first, -1), (pin.second, 1)):
+            if body == name:
+                yield np.zeros_like(z), z, v, sign * size
+    else:
+        slider = scene.bodies[one.slider]
+        z, v, _ = state.point(slider.points[0])
+        force = size * state.along(slider)
+        if name == one.slider:
+            yield force, z, v, np.zeros_like(size)
+        elif name == scene.slides[one.slider].on:
+            yield -force, z, state.carried(name, z), np.zeros_like(size)
+
+
+def rate(state: MotionVectors, one: Friction) -> Samples:
+    """How fast the parts of a joint move on each other."""
+    if isinstance(one, PinFriction):
+        pin = one.pin(state.scene)
+        return state.turning(pin.second)[1] - state.turning(pin.first)[1]
+    return state.sliding(state.scene.bodies[one.slider])
+
+
+def resting(state: MotionVectors) -> NDArray[np.bool_]:
+    """Where the sense of a joint's motion is not known, so that nothing is judged by the forces; shape (n,)."""
+    scene = state.scene
+    turning = np.max([np.abs(state.turning(body)[1]) for body in scene.bodies], axis=0)
+    moving = np.max([np.abs(state.place(point, "v")) for point in scene.moving_points], axis=0)
+    slow = np.abs(scene.drive.at(state.motion["time"]).rate) <= SLOW * scene.drive.peak_rate
+    for one in scene.friction:
+        if one.smooth is None:
+            slow |= np.abs(rate(state, one)) <= SLOW * (turning if isinstance(one, PinFriction) else moving)
+    return slow
+
+
+def unresting(mechanics: Mechanics, motion: Motion, errors: dict[str, Samples]) -> dict[str, Samples]:
+    """Errors of a motion, those of its forces zero where a joint with friction is at rest."""
+    if mechanics.friction:
+        at_rest = resting(MotionVectors(mechanics.scene, motion))
+        for channel in {*mechanics.forces, *mechanics.friction} & errors.keys():
+            errors[channel] = np.where(at_rest, 0.0, errors[channel])
+    return errors
+
+
+def load(scene: Scene, one: Friction, forces: Mapping[str, Samples]) -> Samples:
+    """What friction goes by, N, from channels of forces: that of a pin, or of both ends of a guide's contact."""
+    if isinstance(one, PinFriction):
+        size: Samples = np.hypot(*(forces[f"{one.pin(scene).channel}.{axis}"] for axis in ("fx", "fy")))
+        return size
+    normal, couple = (forces[f"{one.slider}.guide_{of}"] for of in ("force", "moment"))
+    return np.abs(normal / 2 - couple / one.length) + np.abs(normal / 2 + couple / one.length)
+
+
+def coefficient(one: Friction) -> float:
+    """Friction by its load: the radius of a pin's friction circle, m, or the coefficient of a guide."""
+    return one.radius * sin(atan(one.coefficient)) if isinstance(one, PinFriction) else one.coefficient
+
+
+def by_law(state: MotionVectors, forces: Mapping[str, Samples]) -> dict[str, Samples]:
+    """By channel what the friction should be of a motion, its sense its own, under forces of joints."""
+    scene, law = state.scene, dict[str, Samples]()
+    for one in scene.friction:
+        moving = rate(state, one)
+        sense = np.sign(moving) if one.smooth is None else np.tanh(moving / one.smooth)
+        law[one.channel(scene)] = -sense * coefficient(one) * load(scene, one, forces) - (one.viscous or 0.0) * moving
+    power = sum(state.motion[one.channel(scene)] * rate(state, one) for one in scene.friction)
+    return {**law, "friction.power": np.asarray(power)} if law else law
+
+
+def contraction(mechanics: Mechanics, motion: Motion) -> Samples:
+    """By how much the joints' loads change at most with what their friction was found by, shape (n,).
+
+    Below one, the forces have one solution and no other (Banach); else that is not proven. It is the spectral radius of
+    the loads' changes by each other.
+    """
+    scene, constraints, found = mechanics.scene, mechanics.constraints, []
+    for part in constraints.blocks(motion):
+        ones = dict.fromkeys(mechanics.friction, np.ones_like(part["time"]))
+        unit = MotionVectors(scene, Motion({**part.samples, **ones}))
+        pushes = np.zeros((len(part["time"]), len(scene.friction), len(scene.bodies), 3))
+        for (j, one), (b, body) in product(enumerate(scene.friction), enumerate(scene.bodies.values())):
+            for force, at, _, moment in ends(unit, one, body.name):
+                about = ((at - unit.place(body.points[0])).conjugate() * force).imag + moment
+                pushes[:, j, b] += np.stack([mechanics.size * force.real, mechanics.size * force.imag, about], axis=1)
+        changes = pushes.reshape(*pushes.shape[:2], -1) @ constraints.closed(part).inverse / constraints.units
+        forces = dict(zip(mechanics.forces, np.moveaxis(changes, -1, 0), strict=True))
+        gains = np.stack([load(scene, one, forces) for one in scene.friction], axis=1)
+        found.append(np.abs(np.linalg.eigvals(gains * [*map(coefficient, scene.friction)])).max(axis=1))
+    return np.concatenate(found)
