@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 
 from scenes import Motion, Request
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
 from ...judge.errors import Comparison
-from ...mechanics.axis import axis
+from ...mechanics.axis import axis, prefixed
 from ...mechanics.mechanics import GROUPS
 from ...mechanics.reference import Reference
 from ...study import Study
 from ..numbers import units
+from ..tables.friction import frictionless, losses
 from . import style
 from .figure import Figure, draw, side_by_side, stacked
 from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, drive_axes, layout, marker
@@ -209,3 +210,22 @@ def over_distance(study: Study) -> Figure | None:
         draw(figure, style.ROUND_OFF, distance[order], explained[order], column, line=BOUND)
     style.error_axes(figure, f"distance to the singular configuration [{metres}]" if locks else "1/κ [-]")
     return figure.update_layout(layout(380, titled=True))
+
+
+def friction(study: Study) -> Figure:
+    """Draw what each joint's friction takes, stacked, and the drive's effort with and without friction."""
+    scene, motion, figure = study.scene, study.motion, stacked(1.0, 1.0)
+    over, taken = axis(scene).of(motion), losses(scene, motion)
+    factor, watts = prefixed(float(np.abs(motion["friction.power"]).max()), "W")
+    for number, (joint, power) in enumerate(taken.items()):
+        stack = {"stackgroup": "losses", "stackgaps": "interpolate"}  # of curves that are thinned each by itself
+        draw(figure, joint, over, factor * power, 1, line={"color": colour(number), "width": 0.5}, **stack)
+    effort = "drive.torque" if scene.driven_slide is None else "drive.force"
+    factor, unit = units(study.reference)[UNITS[quantity(effort)]]
+    draw(figure, "with friction", over, factor * motion[effort], 2, line={"color": DARK_GREY})
+    free = {"color": DARK_GREY, "dash": "dot"}
+    draw(figure, "without friction", over, factor * frictionless(scene, motion), 2, line=free)
+    figure.update_yaxes(title=f"losses [{watts}]", panel=1)
+    figure.update_yaxes(title=f"{effort} [{unit}]", panel=2)
+    drive_axes(figure, scene, study.sampling.turns, 2)
+    return figure.update_layout(layout(480))

@@ -7,7 +7,7 @@ from math import floor, log10
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.scene import Body, Moment
+from scenes.scene import Body, Moment, PinFriction
 
 from ...mechanics.axis import prefixed
 from ...mechanics.elements import force
@@ -17,6 +17,8 @@ SIZE = 1000.0  # of the picture's longer side, in its own units
 PX = SIZE / 480  # a pixel, in those units: what signs that do not scale are drawn in until a script knows better
 MARGIN, WIDER = 32 * PX, 46 * PX  # for signs and names around the outermost points; with the values of forces
 FOOT = 20 * PX  # for the scale of the forces
+CIRCLE = 12 * PX  # radius of the largest friction circle, at least; those of a press would be smaller than its pins
+LARGER = [n * 10**power for power in range(4) for n in (1, 2, 5)]  # circles are drawn so many times as large
 BARREL = 0.85  # of the least displacement of its rod: how long a cylinder is drawn
 SHARE = 0.2  # of the longer side: the longest arrow, but for peaks that few samples have
 
@@ -30,6 +32,8 @@ class Arrow:
     force: Vectors  # N, shape (n,)
     components: tuple[str, str]  # their names: of a pin, its channels
     load: bool = False  # rather than of a joint
+    moment: str = ""  # of the pin's friction, its channel, where it has one
+    aside: Vectors | float = 0.0  # m, from the pin to the force's line, by that moment
 
 
 def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
@@ -40,11 +44,15 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     if not scene.has_masses:
         return
     state = MotionVectors(scene, pose)
+    rubbing = {one.channel(scene) for one in scene.friction}
     for pin in scene.pins:
-        components = f"{pin.channel}.fx", f"{pin.channel}.fy"
+        components, moment = (f"{pin.channel}.fx", f"{pin.channel}.fy"), f"{pin.channel}.friction_moment"
         if all(component in motion for component in components):
-            name = f"{pin.channel}: {pin.first} on {pin.second}"
-            yield Arrow(name, pin.point, motion[components[0]] + 1j * motion[components[1]], components)
+            R = motion[components[0]] + 1j * motion[components[1]]
+            line: tuple[str, Vectors | float] = ("", 0.0)
+            if moment in rubbing and moment in motion:
+                line = moment, -1j * motion[moment] / np.where(R == 0, 1.0, R.conj())
+            yield Arrow(f"{pin.channel}: {pin.first} on {pin.second}", pin.point, R, components, False, *line)
     for body in (scene.bodies[name] for name in scene.slides):
         along = state.along(body)
         pushes = [(f"{body.name}.guide_force", 1j * along, f"guide on {body.name}")]
@@ -79,7 +87,11 @@ class Drawing:
         self.box = complex(shown.real.min(), shown.imag.min()), complex(shown.real.max(), shown.imag.max())
         across, margin = self.box[1] - self.box[0], WIDER if self.arrows else MARGIN
         self.per_metre = (SIZE - 2 * margin) / max(across.real, across.imag)
-        foot, free = FOOT if self.scale_text else 0.0, margin / self.per_metre
+        arms = {one: one.arm for one in scene.friction if isinstance(one, PinFriction) and self.arrows}
+        self.circles = [(one.at, self.per_metre * arm) for one, arm in arms.items()]  # of friction: the pin, the radius
+        largest = max((radius for _, radius in self.circles), default=0.0)
+        self.larger = next((n for n in LARGER if n * largest >= CIRCLE), LARGER[-1]) if largest else 1
+        foot, free = FOOT * (bool(self.scale_text) + bool(self.circles)), margin / self.per_metre
         self.size = self.per_metre * across.real + 2 * margin, self.per_metre * across.imag + 2 * margin + foot
         self.corner = complex(self.box[0].real - free, self.box[1].imag + free)  # the upper left one, m
 

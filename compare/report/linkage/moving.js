@@ -80,7 +80,9 @@ const pull = (n, engine) => {
     arrow.group.style.display = shown ? "" : "none";
     arrow.text.style.display = shown && length > 24 * px ? "" : "none";
     if (!shown) continue;
-    const [x, y] = at(arrow.point, n), [u, v] = [fx / size, -fy / size], [, shaft, tip] = arrow.group.children;
+    const [u, v] = [fx / size, -fy / size], [, shaft, tip] = arrow.group.children, [cx, cy] = at(arrow.point, n);
+    const aside = arrow.moment ? (head.larger * head.perMetre * (value(arrow.moment, n, +engine) || 0)) / size : 0;
+    const [x, y] = [cx - aside * v, cy + aside * u]; // on the line that touches the friction circle
     arrow.group.setAttribute("transform", `translate(${x} ${y}) rotate(${degrees * Math.atan2(v, u)})`);
     shaft.setAttribute("transform", `scale(${length} 1)`);
     tip.setAttribute("transform", `translate(${arrow.load ? 0 : length} 0) scale(${Math.min(length / (11 * px), 1)})`);

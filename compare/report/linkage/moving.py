@@ -47,6 +47,7 @@ class MovingPicture:
         self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]
         plotted = [channel for panel in panels for curve in panel.curves for channel in curve.factors]
         forces = [component for arrow in self.drawing.arrows for component in arrow.components]
+        forces += [arrow.moment for arrow in self.drawing.arrows if arrow.moment]
         self._compared = [*dict.fromkeys([*self._places, *plotted, *self._effort, *forces])]  # of every engine
         alone = dict.fromkeys(("time", axis(scene).channel, *(f"{body}.angle" for body in scene.turning)))
         self._channels = [*self._compared, *alone]
@@ -104,7 +105,7 @@ class MovingPicture:
         over, named = axis(scene), units(self.study.reference)
         first = {body.name: body.points[0] for body in scene.bodies.values()}
         numbers = {m.run.engine: number for number, m in enumerate(self.study.measurements)}  # reference: not always
-        kept = ("name", "point", "load", "components")
+        kept = ("name", "point", "load", "components", "moment")
         efforts = ((channel, named[UNITS[quantity(channel)]]) for channel in self._effort)
         return {
             "title": scene.title,
@@ -117,6 +118,7 @@ class MovingPicture:
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
             "perNewton": drawing.per_newton,
+            "larger": drawing.larger,
             "newton": named["N"],
             "corner": [drawing.corner.real, drawing.corner.imag],
             "ground": dict(scene.ground),

@@ -27,6 +27,7 @@ PLAY = 5.0  # s that it takes
 PATH = 300  # points of a path, at most
 GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
 HEAD = 11  # px, of an arrow
+ACTION = 70  # px to each side, of the line on which the force of a pin with friction acts
 HATCH = 9  # px between two lines of a hatching
 TO_NAME = 18  # px from a point to its name
 DIRECTIONS = np.exp(1j * np.pi / 4 * np.array([-1, 1, 3, -3, 0, 2, 4, -2]))  # of names, the better ones first
@@ -81,7 +82,7 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
     background(root, drawing)
     movers = [*bodies(root, drawing), *springs(root, drawing), *turning(root, drawing)]
     SubElement(root, "g", {"class": "engines"})
-    movers += points(root, drawing)
+    movers += [*points(root, drawing), *circles(root, drawing)]
     for force in drawing.arrows:
         movers += arrow(root, drawing, force)
     if drawing.scale_text:
@@ -92,6 +93,10 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
             note[0].tail = " and "
             SubElement(note, "tspan", {"class": "load"}).text = "loads"
         note[-1].tail = f": {drawing.scale_text}"
+    if drawing.circles:
+        corner = SubElement(root, "g", {"transform": f"translate(0 {height:.1f})"})
+        larger = f", {drawing.larger} times as large" if drawing.larger > 1 else ""
+        SubElement(corner, "text", {"class": "sign scale", "x": "8", "y": "-28"}).text = f"friction circles{larger}"
     for mover in movers:
         mover.element.set("transform", mover.transform(0))
     return root, movers
@@ -188,9 +193,18 @@ def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
         yield Mover(group, drawing.units(drawing.places[point]))
 
 
+def circles(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw the friction circle of every pin that has one: the line of its force touches it while the pin turns."""
+    for point, radius in drawing.circles:
+        group = SubElement(root, "g", {"class": "rubbing", "data-point": point})
+        SubElement(group, "title").text = f"friction circle of {point}, {drawing.larger} times as large"
+        SubElement(group, "circle", {"r": f"{drawing.larger * radius:.2f}"})
+        yield Mover(group, drawing.units(drawing.places[point]))
+
+
 def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
     """Draw a force as an arrow from where it attacks, or a load as one that ends there."""
-    place = drawing.units(drawing.places[force.point])
+    place = drawing.units(drawing.places[force.point] + drawing.larger * force.aside)
     way = drawing.per_metre * drawing.per_newton * np.conj(force.force)
     group, length = SubElement(root, "g", {"class": "force load" if force.load else "force"}), np.abs(way)
     SubElement(group, "title").text = force.name
@@ -198,6 +212,8 @@ def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
     start, end = (-1, 0) if force.load else (0, 1)  # a filled strip: browsers blur a line that is stretched by itself
     _path(shaft, "head across", f"M{start} -1.25H{end}V1.25H{start}Z")
     _path(head, "sign head", f"M{-HEAD} -5L0 0L{-HEAD} 5Z")
+    if force.moment:
+        _path(group, "sign action", f"M{-ACTION} 0H{ACTION}")
     still = np.zeros(len(place), complex)
     yield Mover(group, place, np.degrees(np.unwrap(np.angle(way))))
     yield Mover(shaft, still, None, np.maximum(length, 1e-3))

@@ -11,13 +11,14 @@ from ...measure.speed.speed_table import SAMPLING
 from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
-from ..figures.curves import assur_groups, chosen, over_angle, over_distance
+from ..figures.curves import assur_groups, chosen, friction, over_angle, over_distance
 from ..figures.figure import Attributes, Figure, affordable
 from ..figures.speed import work_precision
 from ..figures.style import FLOOR, ROUND_OFF
 from ..linkage.moving import MovingPicture
 from ..numbers import short, units
 from ..tables import first_screen
+from ..tables import friction as friction_tables
 from ..tables import speed as speed_tables
 from ..tables import study as tables
 from .html import render
@@ -48,6 +49,8 @@ def page(study: Study) -> str:
         panels=panels,
         groups=groups,
         distance=distance,
+        friction=friction(study) if scene.friction else None,
+        friction_tables=friction_tables,
         described=described,
         left_out=[channel for panel in left_out for channel in panel.judged],
         picture=work_precision(study),

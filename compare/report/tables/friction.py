@@ -1,0 +1,173 @@
+"""What friction does in the reference's motion: losses by joint, efficiency, where it jams, where it locks itself."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from scenes import Failure, Motion, Sampling, Scene
+from scenes.model.motion import UNITS, Samples, quantity
+from scenes.scene import ConstantSpeed
+
+from ...engines import registry
+from ...mechanics.axis import axis, cycle_name
+from ...mechanics.elements import drive_power, of_element
+from ...mechanics.friction import contraction, rate, resting
+from ...mechanics.motion_vectors import MotionVectors, press_forces
+from ...study import Study
+from ..numbers import percent, short, units, written
+from . import TableRows
+
+LARGEST = 100.0  # times the coefficients: what does not jam there is not said to jam
+HALVINGS = 13  # of their range, on a logarithmic scale: to three digits
+CYCLE = Sampling(360)
+NOTHING = 1e-9  # of a work in either sense: the net work of a load that gives back what it takes
+RANGES = 3  # of positions that are named, at most
+
+
+def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
+    """The power, W, that each joint's friction takes, by joint, each of shape (n,)."""
+    state = MotionVectors(scene, motion)
+    return {
+        one.channel(scene).rpartition(".")[0]: -motion[one.channel(scene)] * rate(state, one) for one in scene.friction
+    }
+
+
+def by_joint(study: Study) -> TableRows:
+    """The work that each joint's friction takes in a cycle, J, its mean power, W, and its share of all."""
+    cycle, duration = study.reference.cycle, study.scene.drive.cycle
+    works = {joint: _work(cycle, power) for joint, power in losses(study.scene, cycle).items()}
+    whole = sum(works.values())
+    return [
+        {"joint": joint, f"work lost a {cycle_name(study.scene)} [J]": work, "mean power [W]": work / duration}
+        | {"share": percent(work / whole) if whole else None}
+        for joint, work in sorted(works.items(), key=lambda row: -row[1])
+    ]
+
+
+def sentences(study: Study) -> Iterator[str]:
+    """Yield what friction does, a sentence each."""
+    scene, cycle, named = study.scene, study.reference.cycle, units(study.reference)
+    yield from _efficiency(study)
+    channel, name = _effort(scene), "torque" if scene.driven_slide is None else "force"
+    both = (float(np.abs(values).max()) for values in (cycle[channel], frictionless(scene, cycle)))
+    largest, free = (written(value, UNITS[quantity(channel)], named) for value in both)
+    yield f"At {len(cycle['time']):,} positions the drive's largest {name} is {largest}, without friction {free}."
+    yield _jam(scene)
+    if isinstance(scene.drive, ConstantSpeed):
+        yield _locking(study)
+    bound = float(contraction(study.reference.mechanics, study.motion).max())
+    proven = "less than 1, so no other forces are possible" if bound < 1 else "not below 1, so others are not ruled out"
+    yield f"By {short(bound)} at most do the joints' forces change with what their friction was found by: {proven}."
+    if count := int(resting(MotionVectors(scene, study.motion)).sum()):
+        rest = "there its friction is unknown, and no engine is judged by its forces"
+        yield f"At {count} of {study.sampling.count} samples a joint is at rest, or turns round: {rest}."
+
+
+def _efficiency(study: Study) -> Iterator[str]:
+    """Yield what of the drive's work the loads take in a cycle, and while they take power."""
+    scene, cycle, name = study.scene, study.reference.cycle, cycle_name(study.scene)
+    power, taken = drive_power(MotionVectors(scene, cycle)), -_of_loads(study)
+    drive, net, lost = _work(cycle, power), _work(cycle, taken), -_work(cycle, cycle["friction.power"])
+    none = abs(net) <= NOTHING * _work(cycle, np.abs(taken))
+    if none and abs(drive - lost) <= NOTHING * _work(cycle, np.abs(power)):
+        yield f"The loads take no net work: all of the drive's work, {_joules(drive)}, is lost to friction."
+    elif none or net < 0 or drive <= 0:
+        gives = "take no net work" if none else f"{'give' if net < 0 else 'take'} {_joules(abs(net))}"
+        yield f"In a {name} the loads {gives}, the drive gives {_joules(drive)}; {_joules(lost)} are lost to friction."
+    else:
+        reaches = f"{percent(net / drive)} of the drive's work, {_joules(drive)}, reaches the loads"
+        yield f"{reaches}; {_joules(lost)} are lost to friction."
+    stroke = taken > 0
+    if stroke.any() and (none or (taken < 0).any()):
+        load, given = (_work(cycle, np.where(stroke, of, 0.0)) for of in (taken, power))
+        of_it = "the rest is from moving masses, weights and springs"
+        if given > load:
+            of_it = f"{percent(load / given)} of it reaches the loads"
+        yield f"While the loads take power, {_joules(load)}, the drive gives {_joules(given)}: {of_it}."
+
+
+def _of_loads(study: Study) -> Samples:
+    """The power of all loads on the bodies in a cycle, W."""
+    scene, state = study.scene, MotionVectors(study.scene, study.reference.cycle)
+    ends = zip(press_forces(scene), study.reference.stroke_ends, strict=True)
+    acting = [load.acts(*state.displacement(scene.bodies[load.body])[:2], end) for load, end in ends]
+    state, power = MotionVectors(scene, state.motion, acting), np.zeros_like(state.motion["time"])
+    for body, load in product(scene.bodies, scene.loads):
+        for push in of_element(state, load, body):
+            power += (push.velocity.conjugate() * push.force).real + push.moment * state.turning(body)[1]
+    return power
+
+
+def frictionless(scene: Scene, motion: Motion) -> Samples:
+    """The drive's torque, N m, or force, N, without friction, at the samples of a motion."""
+    free, channel = replace(scene, friction=()), _effort(scene)
+    return registry.reference(free, frozenset((channel,)))(motion[scene.drive_channel], motion["time"])[channel]
+
+
+def _effort(scene: Scene) -> str:
+    return "drive.torque" if scene.driven_slide is None else "drive.force"
+
+
+def _joules(work: float) -> str:
+    return written(work, "J", {})
+
+
+def _work(motion: Motion, power: Samples) -> float:
+    return float(((power[1:] + power[:-1]) / 2 * np.diff(motion["time"])).sum())
+
+
+def _jam(scene: Scene) -> str:
+    def passes(factor: float) -> bool:
+        scaled = (replace(one, coefficient=factor * one.coefficient) for one in scene.friction)
+        harder = replace(scene, friction=tuple(scaled))
+        try:
+            registry.reference(harder, frozenset((_effort(scene),)))(CYCLE.commanded(scene), CYCLE.times(scene))
+        except Failure:
+            return False
+        return True
+
+    if passes(LARGEST):
+        return f"It does not jam with {LARGEST:g} times its coefficients of friction."
+    low = _bisected(passes, 1.0, LARGEST)
+    more = "with more it jams, or its forces are not determined"
+    return f"It moves with up to {low:.3g} times its coefficients of friction; {more}."
+
+
+def _bisected(passes: Callable[[float], bool], low: float, high: float) -> float:
+    for _ in range(HALVINGS):
+        middle = (low * high) ** 0.5
+        low, high = (middle, high) if passes(middle) else (low, middle)
+    return low
+
+
+def _locking(study: Study) -> str:
+    """Where in a cycle the loads would drive it back without friction, and do not with it."""
+    scene, cycle, drive = study.scene, study.reference.cycle, study.scene.drive
+    assert isinstance(drive, ConstantSpeed)
+    backwards = replace(drive, speed=-drive.speed)
+    if drive.end is not None:
+        backwards = replace(backwards, start=drive.end, end=drive.start)
+
+    def needs(of: Scene) -> Samples:
+        """The drive's power on the way back through the same positions."""
+        back = replace(of, drive=backwards)
+        there = registry.reference(back)(cycle[scene.drive_channel], cycle["time"])
+        return drive_power(MotionVectors(back, there))
+
+    try:
+        driven, held = needs(replace(scene, friction=())) < 0, needs(scene) >= 0
+    except Failure as failure:
+        return f"Driven back at the same speed, it does not move on everywhere: {failure.reason.partition(':')[0]}."
+    share, locked = percent(float(driven.mean())), driven & held
+    would = f"Driven back, without friction the loads would push the drive at {share} of the positions"
+    if not locked.any():
+        return f"{would}; with it they do so too: it is nowhere self-locking."
+    edges = np.flatnonzero(np.diff([False, *locked, False])).reshape(-1, 2)
+    over, at = axis(scene), axis(scene).of(cycle)
+    longest = sorted(sorted(edges.tolist(), key=lambda edge: edge[0] - edge[1])[:RANGES])
+    ranges = [" to ".join(dict.fromkeys((short(at[first]), short(at[last - 1])))) for first, last in longest]
+    more = " and others" if len(edges) > RANGES else ""
+    where = f"{over.quantity} {', '.join(ranges)} {over.unit}{more}"
+    return f"{would}; at {percent(float(locked.mean()))} it is self-locking, friction holds them: {where}."
