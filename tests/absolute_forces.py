@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from math import hypot, pi
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from scenes.model.motion import channels
 from scenes.scene import GROUND, Force, ForceTable, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .absolute_bodies import TURNED, Floats, mass_properties
+from .absolute_friction import resistances, resisted
 
 if TYPE_CHECKING:
     from .absolute_coordinates import Absolute
@@ -79,7 +80,12 @@ def reactions(model: "Absolute", now: Instant) -> dict[str, float]:
     if slide is not None:
         push, turn = model.vector(slide.on, slide.along) @ Q, 0.0
     A[:, -1] = wrench(driven.name, push, at, turn) - wrench(on, push, at, turn)
-    return dict(zip(unknown, np.linalg.solve(A, b).tolist(), strict=True))
+
+    def between(first: str, second: str, *acts: Any) -> Floats:
+        return wrench(second, *acts) - wrench(first, *acts)
+
+    x, friction = resisted(A, b, resistances(model, now, unknown, between))
+    return dict(zip(unknown, x.tolist(), strict=True)) | friction
 
 
 def twists(model: "Absolute", poses: Mapping[float, Floats]) -> dict[TorsionSpring, dict[float, float]]:

@@ -19,7 +19,7 @@ CLOSE = 1e-12  # on the scale of `agreement`: of 200 scenes the worst is 4e-14, 
 def test_three_formulations_agree_on_every_element_and_drive(tmp_path: Path) -> None:
     pytest.importorskip("flint")
     drawn = clean_scenes(tmp_path, 16, elements=True)
-    assert frozenset.union(*(scene.kinds for scene in drawn)) == ALL_KINDS
+    assert frozenset.union(*(scene.kinds for scene in drawn)) == ALL_KINDS - {"friction"}
     for scene in drawn:
         fifty, time = exact(scene, SAMPLING), SAMPLING.times(scene)
         core = analytic.solve(scene, fifty[scene.drive_channel], time)

@@ -194,7 +194,7 @@ def asked(scene: Scene) -> tuple[Any, Any]:
 def test_against_50_digits(settings: AnalyticSettings) -> None:
     """Every setting within what a rounding or a difference leaves of it."""
     scene = busy()
-    assert scene.kinds >= ALL_KINDS - PLAIN_KINDS - {"cylinders that drive", "drives between moving bodies"}
+    assert scene.kinds >= ALL_KINDS - PLAIN_KINDS - {"cylinders that drive", "drives between moving bodies", "friction"}
     simulation = engine.build(scene, settings, Sampling(samples=24))
     simulation.solve()
     found, tolerance = simulation.read(), {"single precision": 1e-5, "differences 360": 1e-3}  # some of a step squared

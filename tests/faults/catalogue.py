@@ -17,6 +17,7 @@ FAMILIES = (
     spoilt_elements.elements,
     weight_and_friction.gravity,
     weight_and_friction.friction,
+    weight_and_friction.friction_of_joints,
     samples.data,
     samples.solutions,
     courses.courses,

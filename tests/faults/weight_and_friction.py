@@ -1,17 +1,21 @@
-"""Faults in gravity, and friction where the scene has none."""
+"""Faults in gravity, in the friction of joints, and friction where the scene has none."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import permutations
 
 import numpy as np
 
 from compare.judge.canaries import spoilt_motion as spoilt
 from compare.judge.causes.cause import Kind
+from compare.judge.causes.scene_numbers import joint
+from scenes.fields import put
 from scenes.model.motion import Samples
-from scenes.scene import PressForce
+from scenes.scene import PinFriction, PressForce
 
 from .fault import Clean, Fault
+from .spoilt_scene import SIZES
 
 G = 9.81  # m/s^2
 
@@ -79,3 +83,31 @@ def friction(clean: Clean) -> Iterator[Fault]:
             turning = np.abs(clean.state.turning(pin.second)[1] - clean.state.turning(pin.first)[1])
             lost = by * 0.05 * clean.reference.stroke * force * turning
             yield of_drive("friction in a pin, by the drive alone", by, pin.channel, lost / rate)
+
+
+def friction_of_joints(clean: Clean) -> Iterator[Fault]:
+    """Yield other friction than the scene's: left out, backwards, of other numbers, and at another pin."""
+    scene, rubs = clean.scene, clean.scene.friction
+
+    def fault(kind: str, by: float, place: str, changed: dict[tuple[int, str], float]) -> Fault:
+        other = put(scene, {("friction", *at): value for at, value in changed.items()})
+        return Fault("friction of joints", kind, by, Kind.friction, place, scene=other)
+
+    def times(factor: float, key: str, *numbers: int) -> dict[tuple[int, str], float]:
+        return {(number, key): factor * (getattr(rubs[number], key) or 0.0) for number in numbers}
+
+    every, resisting = range(len(rubs)), ("coefficient", "viscous")
+    for what, factor in {"left out": 0.0, "of the wrong sign": -1.0}.items():
+        for numbers in [*((number,) for number in clean.some(every, what, 2)), *([every] if len(rubs) > 1 else [])]:
+            place = "all" if len(numbers) > 1 else joint(scene, rubs[numbers[0]])
+            changed = {at: size for key in resisting for at, size in times(factor, key, *numbers).items()}
+            kind = f"{'all ' if place == 'all' else ''}friction {what}"
+            yield fault(kind, 1 - factor, place, changed)
+    for by in (1.0, *SIZES):
+        for key in (*resisting, "radius", "length"):
+            for number in clean.some([n for n in every if getattr(rubs[n], key, None)], f"{key} {by}"):
+                yield fault(f"friction's {key}", by, joint(scene, rubs[number]), times(1 + by, key, number))
+    pins = {number: one for number, one in enumerate(rubs) if isinstance(one, PinFriction)}
+    for one, other in clean.some(permutations(pins, 2), "another pin", 2):
+        changed = {**times(0.0, "radius", one), **times(1 + pins[one].arm / pins[other].arm, "radius", other)}
+        yield fault("friction at another pin", 1, joint(scene, pins[one]), changed)

@@ -32,7 +32,7 @@ def short(value: object) -> str:
 def refused(name: str | Path, path: object = None) -> str:
     """Load what is no scene, and return what the line has after the file, or after another name of it."""
     started, start = process_time(), f"{name if path is None else path}: "
-    line = scene_files.refused(lambda: scenes.load(name), len(start) + 399)
+    line = scene_files.refused(lambda: scenes.load(name), len(start) + 549)  # with the names of all that ship
     assert process_time() - started < AT_ONCE
     assert line.startswith(start)
     return line.removeprefix(start)

@@ -1,0 +1,153 @@
+"""Friction at every joint: against equations written in the tests, the balance of power, no friction, and jams."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import scenes
+from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes.scene import ConstantSpeed, Force, GuideFriction, PinFriction
+from tests import scene_files
+from tests.absolute_bodies import local_points, mass_properties
+from tests.absolute_coordinates import solve
+from tests.agreement import FORCES, attitude, errors
+from tests.comparisons import SLOW
+from tests.friction_scenes import everywhere
+
+from .runs import run
+
+flint = pytest.importorskip("flint")
+
+from sim_models.multiprecision import engine as model  # noqa: E402  (its engine is there)
+from sim_models.multiprecision.friction import Pressed  # noqa: E402
+
+SAMPLES = 8
+# Pins and a guide of the ground, moving guides, a drive between two bodies, three bodies at a pin, a driven slider and
+# a group that is no dyad; then dwells, cylinders that drive, and more of all.
+QUICK = ("toggle_press", "rocking_guide", "elbow", "three_at_a_pin", "wedge", "class_iii")
+MORE = ("swinging_segments", "busy_bucket", "excavator_bucket", "quick_return", "servo_press", "walking_leg")
+by_scene = pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=SLOW) for name in MORE)])
+
+
+@by_scene
+def test_every_channel_is_that_of_the_tests_own_equations(name: str) -> None:
+    scene = everywhere(scene_files.load(name), 0.1, viscous=0.3)
+    time = Sampling(SAMPLES).times(scene)
+    expected = solve(scene, *scene.drive.at(time), time)
+    for channel, error in errors(run(scene, SAMPLES), expected).items():
+        assert error.max() <= FORCES, channel
+
+
+def test_a_smooth_friction_is_less_where_a_joint_is_slow() -> None:
+    """The same as above with rates of all sizes: the tests' equations have the tanh too."""
+    sharp = everywhere(scene_files.load("rocking_guide"))
+    scene = replace(sharp, friction=tuple(replace(friction, smooth=2.0) for friction in sharp.friction))
+    motion, time = run(scene, SAMPLES), Sampling(SAMPLES).times(scene)
+    for channel, error in errors(motion, solve(scene, *scene.drive.at(time), time)).items():
+        assert error.max() <= FORCES, channel
+    assert np.all(motion["friction.power"] > run(sharp, SAMPLES)["friction.power"])
+
+
+def place(scene: Scene, motion: Motion, point: str, of: str) -> Any:
+    """Return where a point is, or a rate of that, complex: of `of` = "", "v" or "a"."""
+    if point in scene.ground:
+        return complex(*scene.ground[point]) if not of else 0j
+    return motion[f"{point}.{of}x"] + 1j * motion[f"{point}.{of}y"]
+
+
+def growth_of_kinetic_energy(scene: Scene, motion: Motion) -> Any:
+    """Return Σ m a·v + I alpha omega, W, by each body's first point and the arm c from there to its centre of mass."""
+    total = 0.0
+    for name, body in scene.bodies.items():
+        local = local_points(scene, body)
+        mass, com, inertia = mass_properties(body, local)
+        c = attitude(scene, motion, name) * complex(*(np.asarray(com) - local[body.points[0]]))
+        omega, alpha = (motion[f"{name}.{of}"] if name in scene.turning else 0.0 for of in ("omega", "alpha"))
+        v, a = (place(scene, motion, body.points[0], of) for of in "va")
+        v, a = v + 1j * omega * c, a + (1j * alpha - omega**2) * c
+        gravity = complex(*scene.gravity or (0, 0))
+        total = total + mass * (np.conj(a - gravity) * v).real + inertia * alpha * omega
+    return total
+
+
+@pytest.mark.parametrize("name", ["toggle_press", "rocking_guide", "elbow", "three_at_a_pin"])
+def test_power_is_balanced(name: str) -> None:
+    """Drive power + loads' power + gravity + friction.power = d(kinetic energy)/dt; all loads are plain forces."""
+    scene = everywhere(scene_files.load(name), 0.2, viscous=0.1)
+    motion = run(scene)
+    assert isinstance(scene.drive, ConstantSpeed)
+    assert not scene.springs
+    drive = motion["drive.torque"] * scene.drive.speed
+    loads = np.zeros(drive.shape)
+    for load in scene.loads:
+        assert isinstance(load, Force)
+        loads += (complex(*load.force).conjugate() * place(scene, motion, load.at, "v")).real
+    terms = drive, loads, motion["friction.power"], -growth_of_kinetic_energy(scene, motion)
+    assert np.all(motion["friction.power"] < 0)
+    # Ten terms of rounded channels: some 1e-16 of the largest each.
+    assert np.abs(sum(terms)).max() <= 1e-14 * np.abs(terms).max()
+
+
+def test_without_friction_it_is_as_without_friction() -> None:
+    """The forces' errors fall as mu over four decades; with mu = 0 the forces are the same but for their rounding."""
+    scene = scene_files.load("toggle_press")
+    without = run(scene)
+    off = []
+    for mu in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0.0):
+        motion = run(everywhere(scene, mu))
+        off.append(max(error.max() for error in errors(motion, without.samples).values()))
+    assert np.abs(np.diff(np.log10(off[:-1])) + 1).max() <= 0.05  # the square of mu: 0.01 of mu, times some ten joints
+    assert off[-1] == 0
+
+
+def test_nothing_rubs_while_the_drive_dwells() -> None:
+    """The law's last sixth is a dwell: the forces are those without friction there, and others before."""
+    dwell = [{"to": 3, "within": 0.5, "law": "cycloidal"}, {"within": 0.1}]
+    scene = scene_files.load("slider_crank", {"drive": {"body": "crank", "start": 1, "segments": dwell}})
+    motion, without = run(everywhere(scene), 12), run(scene, 12)
+    rubbing = motion["drive.torque"] != without["drive.torque"]
+    assert rubbing.tolist() == [False, *[True] * 9, False, False, False]  # it starts from rest too
+    assert np.array_equal(motion["friction.power"] < 0, rubbing)
+
+
+def pinched(coefficient: float) -> Scene:
+    """Return a slider-crank whose slider jams on a short guide, with friction nowhere else."""
+    guide = GuideFriction(slider="slider", length=0.1, coefficient=coefficient)
+    return replace(scene_files.load("slider_crank", {"drive.start": 0.1}), friction=(guide,))
+
+
+def test_a_jam_says_where_and_from_what_share_of_the_friction_on() -> None:
+    """The share is that which just passes: with a little less of the coefficient everywhere is a solution."""
+    with pytest.raises(Failure, match=r"^friction holds the linkage at crank angle \S+ rad, from 0\.\d+ of") as failure:
+        run(pinched(5.0), SAMPLES)
+    assert failure.value.status is Status.jammed
+
+
+def test_nobody_who_asks_for_no_forces_is_told_of_a_jam() -> None:
+    request = Sampling(SAMPLES, channels=frozenset({"B.x"}))
+    simulation = model.build(pinched(5.0), model.DEFAULT, request)
+    simulation.solve()
+    assert set(simulation.read().samples) == {"time", "crank_angle", "B.x"}
+
+
+def test_nothing_of_the_scene_s_own_formulas_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = everywhere(scenes.load("toggle_press"))
+    expected = run(scene, SAMPLES)
+    monkeypatch.setattr(PinFriction, "arm", property(lambda _: 1e3))
+    for kind in (PinFriction, GuideFriction):
+        monkeypatch.setattr(kind, "sense", lambda *_: 1e3)
+        monkeypatch.setattr(kind, "at_rest", lambda *_: True)
+    motion = run(scene, SAMPLES)
+    assert all(np.array_equal(motion[channel], expected[channel]) for channel in expected.samples)
+
+
+@pytest.mark.parametrize("far", [1.1, 1e6])
+def test_what_the_digits_do_not_prove_is_no_solution(monkeypatch: pytest.MonkeyPatch, far: float) -> None:
+    """Joints' forces that are off by a tenth, or by far, are not taken for some: no ball of few digits is one."""
+    followed = Pressed.followed
+    monkeypatch.setattr(Pressed, "followed", lambda self: [far * g for g in followed(self)])
+    with pytest.raises(Failure, match=r"prove the f(orces|riction's forces at crank angle)") as failure:
+        run(everywhere(scene_files.load("toggle_press")), SAMPLES)
+    assert failure.value.status is Status.not_converged
