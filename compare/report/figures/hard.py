@@ -15,7 +15,7 @@ from ...mechanics.round_off import EPS
 from .figure import Figure, draw, side_by_side
 from .style import BOUND, colour, error_axes, layout
 
-LETTERS = dict(zip([*Status][1:], "UABDNIOFTC", strict=True))  # of statuses other than ok, in their order
+LETTERS = dict(zip([*Status][1:], "UABJSDNIOFTC", strict=True))  # of statuses other than ok, in their order
 TITLES: Mapping[str, tuple[str, str]] = {
     "sweeps": ("Stability: steps and sweeps", "sweeps per step"),
     "lock": ("Stability: steps and distance to the singular configuration", "distance to singular configuration"),

@@ -107,7 +107,7 @@ def test_masses_are_chosen_for_few_sweeps(name: str) -> None:
     fictitious, *ballasted = (contraction(model.space) for model in models)
     assert all(fictitious < other < 1 for other in ballasted)
     # Measured, at the start: 0.003 to 0.022, and 0.69 in the servo press, the sine squared of its rod's 56 degrees.
-    assert fictitious <= (0.7 if name in JOINED else 0.997 if name in CLOSED else 0.05)
+    assert fictitious <= (0.7 if name.removesuffix("_friction") in JOINED else 0.997 if name in CLOSED else 0.05)
 
 
 def test_groups_follow_from_each_other() -> None:
