@@ -42,7 +42,7 @@ def corners(points: Sequence[str], local: Places | None, lengths: Lengths | None
     if len(points) < 3 or (local is None and len(points) > 3):
         return tuple(points)
     end = max(points, key=partial(_length, local, lengths, points[0]))
-    other = max(points, key=partial(_length, local, lengths, end))
+    other = max((point for point in points if point != end), key=partial(_length, local, lengths, end))
     ends = tuple(point for point in points if point in (end, other))
     return ends if all(height <= LINE for height in heights(ends, points, local, lengths)) else tuple(points)
 

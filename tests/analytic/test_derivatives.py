@@ -11,6 +11,7 @@ import pytest
 import analytic
 import scenes
 from scenes import Sampling, Scene
+from scenes.model.motion import friction_channels
 from sim_models.multiprecision.engine import DEFAULT, build
 from tests import scene_files
 from tests.comparisons import SLOW
@@ -43,12 +44,14 @@ def test_along_a_direction(name: str) -> None:
     pairs = [(at(step), at(-step)) for step in STEPS]
     asked = Sampling(samples=SAMPLES - 1)
     found = analytic.derivatives(scene, paths, asked.commanded(scene), asked.times(scene))
-    values = pairs[0][0]
+    values, moving = pairs[0][0], np.ones(SAMPLES, np.bool_)
+    for channel in friction_channels(scene):  # where a joint turns round it has no derivative
+        moving &= values[channel] * pairs[0][1][channel] > 0
     for channel in values.keys() & found.keys():
         first, second, third = (
             (ahead[channel] - back[channel]) / (2 * step) for (ahead, back), step in zip(pairs, STEPS, strict=True)
         )
         better = (4 * second - first) / 3, (4 * third - second) / 3
         exact = (16 * better[1] - better[0]) / 15
-        off = np.abs(direction @ found[channel] - exact).max()
+        off = np.abs(direction @ found[channel] - exact)[moving].max()
         assert off <= TOLERANCE * max(np.abs(exact).max(), np.abs(values[channel]).max(), 1e-9), channel
