@@ -9,11 +9,15 @@ import pandas as pd
 import pytest
 
 from compare.report.linkage.drawing import Drawing
+from compare.report.output import files
 from compare.study import Study
 from scenes.model.motion import header
+from tests import scene_files
+from tests.comparisons import studied
+from tests.pages import silent
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Page
+    from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.browser
 
@@ -58,6 +62,14 @@ def test_scrubbing_moves_the_linkage(report: "Page", press_study: Study) -> None
         assert shown.keys() == press_study.scene.owners.keys()
         for point, place in shown.items():
             assert abs(place - complex(drawing.units(drawing.places[point])[row])) < 0.05, point
+
+
+@pytest.mark.parametrize("name", ["twisted_four_bar", "toggle_press_friction"])
+def test_moments_and_circles_of_friction_leave_the_picture_whole(browser: "Browser", name: str, tmp_path: Path) -> None:
+    """Their signs are no forces' arrows: the script goes on past them, to the player."""
+    folder = files.write(studied(scene_files.load(name), ["analytic"]), tmp_path)
+    with silent(browser, folder / "report.html", viewport={"width": 800, "height": 600}) as page:
+        page.wait_for_selector("#linkage .player:not([hidden])")
 
 
 def test_a_body_turns_with_its_points(report: "Page") -> None:

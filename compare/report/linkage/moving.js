@@ -66,7 +66,7 @@ const pose = n => {
 
 const vector = (arrow, n, engine) => arrow.components.map(channel => value(channel, n, engine));
 const newtons = size => `${(size * head.newton[0]).toPrecision(3)} ${head.newton[1]}`;
-const forces = [...svg.querySelectorAll(".force")];
+const forces = [...svg.querySelectorAll(".force:has(.head)")]; // not moments, whose arrows are of one size
 const arrows = forces.map((group, k) => {
   const text = made("g", svg, "");
   forces[0].before(text); // under the arrows
