@@ -36,7 +36,6 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _do(name: str, words: Sequence[str]) -> int:
-    """Do what a command is for, by words as `COMMANDS` has them."""
     results = [word for word in words if "=" in word]
     match name, [word for word in words if word not in results], results:
         case "list", _, _:

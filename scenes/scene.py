@@ -217,6 +217,11 @@ class Scene:
         """The channel of the drive's position: `crank_angle`, or `drive.displacement` of a driven slider."""
         return "crank_angle" if self.driven_slide is None else "drive.displacement"
 
+    @property
+    def effort_channel(self) -> str:
+        """The channel of what the drive does: `drive.torque` on a crank, `drive.force` on a driven slider."""
+        return "drive.torque" if self.driven_slide is None else "drive.force"
+
     @cached_property
     def all_units(self) -> Mapping[str, tuple[str, float]]:
         """The unit of each dimension in the file: its name, and what it is in SI; a direction has none."""

@@ -75,7 +75,6 @@ def _since(old: "Summary", result: "Study") -> list["Change"]:
 
 
 def _in_full(result: "Study", options: Namespace, progress: Callable[[str], None]) -> "Study":
-    """The study with maps of stability and the hard cases, as far as the user lets it."""
     from scenes.hard import catalogue, ladder
 
     from ..measure.hard.case import hard_cases

@@ -228,7 +228,6 @@ def _size(judged: Judgement, measurement: Measurement) -> float:
 
 
 def _cause(judged: Judgement, engine: str) -> str:
-    """The likely cause where one is known."""
     cause = judged.causes.get(engine, "").removeprefix(f"{engine}: ")
     return f"; likely cause: {cause}" if cause else ""
 

@@ -123,7 +123,6 @@ def digits(size: float) -> int:
 
 
 def _per_cent(size: float, rounded: Callable[[float], int], figures: int) -> str:
-    """A size in per cent, rounded to so many figures."""
     last = floor(log10(100 * size)) - figures + 1  # the power of ten of the last figure
     text = f"{rounded(100 * size / 10.0**last) * 10.0**last:.{max(-last, 0)}f}"
     return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"

@@ -77,7 +77,6 @@ class Constraints:
         self._groups = groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]])
 
     def _rows(self) -> Iterator[Constraint]:
-        """Yield all constraints."""
         scene, arms = self.scene, self.arms
         for pin in scene.pins:
             second, first = arms[pin.second][pin.point], arms[pin.first][pin.point]

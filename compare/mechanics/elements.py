@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from scenes.elements.friction import Friction, GuideFriction, PinFriction
 from scenes.elements.loads import Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
 from scenes.elements.tables import LoadCurve
@@ -15,10 +16,9 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
 from .bodies import inertia
-from .friction import ends
 from .motion_vectors import MotionVectors, Vectors, press_forces
 
-Element: TypeAlias = Load | Spring | TorsionSpring
+Element: TypeAlias = Load | Spring | TorsionSpring | Friction
 
 
 class AppliedForce(NamedTuple):
@@ -49,11 +49,8 @@ class LoadedBody(NamedTuple):
 def applied(state: MotionVectors, body: Body) -> Iterator[AppliedForce]:
     """Yield what acts on a body from without: loads, springs, friction, gravity."""
     scene = state.scene
-    for _, element in scene.elements:
+    for element in (*(own for _, own in scene.elements), *scene.friction):
         yield from of_element(state, element, body.name)
-    for one in scene.friction:
-        for push, at, velocity, moment in ends(state, one, body.name):
-            yield AppliedForce(push, at, velocity, f"the friction of {one.channel(scene)}", moment)
     if scene.gravity is not None:
         z, v, _ = state.com(body)
         weight = np.full(z.shape, (body.mass or 0.0) * complex(*scene.gravity))
@@ -61,7 +58,7 @@ def applied(state: MotionVectors, body: Body) -> Iterator[AppliedForce]:
 
 
 def of_element(state: MotionVectors, element: Element, name: str) -> Iterator[AppliedForce]:
-    """Yield what a load or a spring does on the body of a name."""
+    """Yield what a load, a spring or friction does on the body of a name."""
     yield from _KINDS.get(type(element), _of_force)(state, element, name)
 
 
@@ -105,11 +102,30 @@ def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring, name: str) -
             yield _turning(state, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
 
 
+def _of_pin_friction(state: MotionVectors, one: PinFriction, name: str) -> Iterator[AppliedForce]:
+    pin, channel = one.pin(state.scene), one.channel(state.scene)
+    for body, sign in ((pin.first, -1), (pin.second, 1)):
+        if body == name:
+            yield _turning(state, pin.point, f"the friction of {channel}", sign * state.motion[channel])
+
+
+def _of_guide_friction(state: MotionVectors, one: GuideFriction, name: str) -> Iterator[AppliedForce]:
+    slider, channel = state.scene.bodies[one.slider], one.channel(state.scene)
+    z, v, _ = state.point(slider.points[0])
+    force, called = state.motion[channel] * state.along(slider), f"the friction of {channel}"
+    if name == one.slider:
+        yield AppliedForce(force, z, v, called)
+    elif name == state.scene.slides[one.slider].on:
+        yield AppliedForce(-force, z, state.carried(name, z), called)
+
+
 _KINDS: Mapping[type, Callable[[MotionVectors, Any, str], Iterator[AppliedForce]]] = {
     GuideForce: _of_guide_force,
     Moment: _of_moment,
     Spring: _of_spring,
     TorsionSpring: _of_torsion_spring,
+    PinFriction: _of_pin_friction,
+    GuideFriction: _of_guide_friction,
 }
 
 

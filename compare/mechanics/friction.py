@@ -1,6 +1,6 @@
 """Friction as the judge has it: what a motion's own channels of it do to the bodies, and what its law asks of them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import product
 from math import atan, sin
 
@@ -11,29 +11,11 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import Friction, PinFriction
 
+from .elements import of_element
 from .mechanics import Mechanics
-from .motion_vectors import MotionVectors, Vectors
+from .motion_vectors import MotionVectors
 
 SLOW = 1e-6  # of the largest rate: where a joint turns round, within what engines find of its rate
-
-
-def ends(state: MotionVectors, one: Friction, name: str) -> Iterator[tuple[Vectors, Vectors, Vectors, Samples]]:
-    """Yield force, place, that place's velocity, and moment, of one friction on the body of a name."""
-    scene, size = state.scene, state.motion[one.channel(state.scene)]
-    if isinstance(one, PinFriction):
-        pin = one.pin(scene)
-        z, v, _ = state.point(pin.point)
-        for body, sign in ((pin.first, -1), (pin.second, 1)):
-            if body == name:
-                yield np.zeros_like(z), z, v, sign * size
-    else:
-        slider = scene.bodies[one.slider]
-        z, v, _ = state.point(slider.points[0])
-        force = size * state.along(slider)
-        if name == one.slider:
-            yield force, z, v, np.zeros_like(size)
-        elif name == scene.slides[one.slider].on:
-            yield -force, z, state.carried(name, z), np.zeros_like(size)
 
 
 def rate(state: MotionVectors, one: Friction) -> Samples:
@@ -102,7 +84,7 @@ def contraction(mechanics: Mechanics, motion: Motion) -> Samples:
         unit = MotionVectors(scene, Motion({**part.samples, **ones}))
         pushes = np.zeros((len(part["time"]), len(scene.friction), len(scene.bodies), 3))
         for (j, one), (b, body) in product(enumerate(scene.friction), enumerate(scene.bodies.values())):
-            for force, at, _, moment in ends(unit, one, body.name):
+            for force, at, _, _, moment in of_element(unit, one, body.name):
                 about = ((at - unit.place(body.points[0])).conjugate() * force).imag + moment
                 pushes[:, j, b] += np.stack([mechanics.size * force.real, mechanics.size * force.imag, about], axis=1)
         changes = pushes.reshape(*pushes.shape[:2], -1) @ constraints.closed(part).inverse / constraints.units

@@ -4,8 +4,8 @@ Plane vectors are complex numbers: i v is v turned by +90 degrees, and conj(a) b
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from dataclasses import dataclass, replace
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,6 +124,12 @@ class MotionVectors:
         unlike = {(load.body, load.closing): load for load in presses}
         ends = {way: self.stroke_end(load) for way, load in unlike.items()}
         return tuple(ends[load.body, load.closing] for load in presses)
+
+    def pressed(self, ends: Sequence[float]) -> Self:
+        """The same with the press forces acting as it shows, whose strokes end at `ends`, m."""
+        presses = zip(press_forces(self.scene), ends, strict=True)
+        acting = [load.acts(*self.displacement(self.scene.bodies[load.body])[:2], end) for load, end in presses]
+        return replace(self, acting=acting)
 
     def acts(self, ends: Sequence[float]) -> list[Acts]:
         """Whether press forces, whose strokes end at `ends`, m, act a hair less and more far and fast, each (4, n)."""

@@ -59,7 +59,6 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
 
 
 def _kinematics(mechanics: Mechanics, poses: ClosedPoses) -> dict[str, Samples]:
-    """The channels of points and bodies that turn."""
     scene, constraints, channels = mechanics.scene, mechanics.constraints, dict[str, Samples]()
     (z, angle), (dz, omega), (ddz, alpha) = (planes(of) for of in (poses.q, poses.v, poses.a))
     for point in scene.moving_points:

@@ -198,7 +198,6 @@ def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[
 
 
 def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:
-    """Return how each column fits each channel."""
     values = np.array([*seen.values()])
     v, c = (each - each.mean(axis=1, keepdims=True) for each in (values, columns))
     squares = (v**2).sum(axis=1)

@@ -90,7 +90,6 @@ def as_toml(
 
 
 def _line(channel: str, column: str, unit: str, sign: int, zero: float, si: str) -> str:
-    """Return a line of the mapping."""
     more = [f"unit = {dumps(unit)}"] * bool(unit and unit != si) + [f"sign = {sign}"] * (sign < 0)
     more += [f"zero = {zero:.9g}"] * bool(zero)
     name = dumps(column, ensure_ascii=False)

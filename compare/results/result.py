@@ -100,7 +100,6 @@ def name_and_file(text: str) -> tuple[str, Path]:
 
 
 def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFile, where: str) -> Result:
-    """Return a table as a result, read by a mapping."""
     known = channels(scene)
     for other in mapping.columns:
         if other not in known:
@@ -162,7 +161,6 @@ def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
 
 
 def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile, *, relative: bool) -> None:
-    """Turn places, vectors and angles into the scene's frame."""
     given, units = mapping.frame, factors(mapping.units)
     frame = Frame(units["rad"] * given.angle, units["m"] * complex(*given.origin), given.mirrored, relative=relative)
     c, s = abs(np.cos(frame.angle)), abs(np.sin(frame.angle))
@@ -177,7 +175,6 @@ def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile, *, relati
 
 
 def _on_this_side(scene: Scene, columns: Columns, other_side: Sequence[str]) -> None:
-    """Turn forces round that are given as those on the other body."""
     stems, turned = {channel: channel.rpartition(".")[0] for channel in force_channels(scene)}, set[str]()
     for pattern in other_side:
         if not (fits := {channel for channel, stem in stems.items() if fnmatchcase(stem, pattern)}):

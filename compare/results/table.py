@@ -108,7 +108,6 @@ def _separator(head: str) -> str:
 
 
 def _decimal(texts: Sequence[Sequence[str]], separator: str) -> str:
-    """Return the mark before the decimals of numbers."""
     if separator == ",":
         return "."
     comma, point = (any(mark in text for column in texts for text in column) for mark in ",.")

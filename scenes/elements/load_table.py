@@ -83,7 +83,6 @@ class LoadTable(FileTable):
         return PressForce(self.body, at, force, self.last, closing_sense(force, slide))
 
     def _check_keys(self, place: str) -> None:
-        """Refuse keys beside others that they do not go with, and what is missing."""
         vector = isinstance(self.force, tuple)
         turns = (vector and self.last is None) or self.along is not None
         fits = {

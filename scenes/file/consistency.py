@@ -193,7 +193,6 @@ def _of_elements(scene: Scene) -> Iterator[str]:
 
 
 def _of_table(scene: Scene, place: str, table: LoadCurve | None) -> Iterator[str]:
-    """Whether a periodic table comes back to where it began."""
     if table is not None and table.periodic:
         first, *_, last = table.values
         if not abs(last - first) <= 1e-9 * max(map(abs, table.values)):  # what a unit's conversion leaves

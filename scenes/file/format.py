@@ -171,7 +171,6 @@ def _beyond(location: Sequence[int | str]) -> str | None:
 
 
 def _keys_at(model: type[BaseModel], location: list[int | str]) -> Iterator[str]:
-    """Yield the keys that the table at this place of a file may have."""
     for part in location:
         if isinstance(part, str) and part in model.model_fields:
             kinds = (kind for kind in parts(model.model_fields[part].annotation) if isinstance(kind, type))

@@ -125,7 +125,6 @@ def _scene(table: SceneFile, file: str) -> Scene:
 
 
 def _driven_on(table: SceneFile, guide: SlideTable | None) -> str:
-    """What the drive moves its body against."""
     on = table.drive.on
     if guide is not None and on not in (None, guide.on):
         raise InputError(f"drive.on: expected '{guide.on}', on which '{table.drive.body}' slides, found '{on}'")

@@ -82,8 +82,8 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
         return ()
     pins = tuple(f"{pin.channel}.{q}" for pin in scene.pins for q in ("fx", "fy"))
     sliding = (body.name for body in scene.bodies.values() if body.slide is not None)
-    effort = "drive.torque" if scene.driven_slide is None else "drive.force"
-    return (*pins, *(f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment")), effort)
+    guides = (f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment"))
+    return (*pins, *guides, scene.effort_channel)
 
 
 def friction_channels(scene: Scene) -> tuple[str, ...]:

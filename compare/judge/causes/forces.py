@@ -31,7 +31,7 @@ from scenes.scene import (
 
 from ...mechanics.bodies import weights
 from ...mechanics.elements import Element, of_element
-from ...mechanics.friction import by_law, ends
+from ...mechanics.friction import by_law
 from ...mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 from .cause import Cause, Kind
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
@@ -71,7 +71,7 @@ class Carried(MotionVectors):
     def rubbed(self, friction: Sequence[Friction], *pushes: Push) -> Channels:
         """Return the same where the joints have other friction; the law is repeated, as the joints carry friction."""
         scene, true = replace(self.scene, friction=tuple(friction)), self.motion.samples
-        before, pushed = self._of(*_resisting(self)), self._of(*pushes)
+        before, pushed = self._of(*self.resisting), self._of(*pushes)
         nothing = dict.fromkeys(
             [*friction_channels(self.scene), *friction_channels(scene)], np.zeros(len(true["time"]))
         )
@@ -79,7 +79,7 @@ class Carried(MotionVectors):
         for _ in range(ROUNDS):
             state = replace(self, scene=scene, motion=Motion({**true, **nothing, **now}))
             now = {**now, **nothing, **by_law(state, state.motion.samples)}
-            resisted = self._of(*_resisting(replace(state, motion=Motion(now))))
+            resisted = self._of(*replace(state, motion=Motion(now)).resisting)
             now |= {c: true[c] + pushed[c] - before[c] + resisted[c] for c in pushed}
         return {c: now[c] - true.get(c, 0.0) for c in (*pushed, *nothing)}
 
@@ -104,23 +104,18 @@ class Carried(MotionVectors):
         return Hypothesis(Cause(kind, place, text, tuple(by), tuple(names)), predicted, len(by))
 
     def pushes(self, element: Element) -> list[Push]:
-        """Return what a load or a spring does on the bodies."""
+        """Return what a load, a spring or friction does on the bodies."""
         each = ((name, push) for name in self.scene.bodies for push in of_element(self, element, name))
         return [Push(name, push.force, push.at, push.moment) for name, push in each]
 
+    @property
+    def resisting(self) -> list[Push]:
+        """What all friction does on the bodies."""
+        return [push for one in self.scene.friction for push in self.pushes(one)]
+
 
 def _carried(evidence: Evidence, motion: Motion) -> Carried:
-    """Return a right motion with its press forces."""
-    scene, ends = evidence.reference.scene, evidence.reference.stroke_ends
-    state, presses = MotionVectors(scene, motion), zip(press_forces(scene), ends, strict=True)
-    acting = [load.acts(*state.displacement(scene.bodies[load.body])[:2], end) for load, end in presses]
-    return Carried(scene, motion, acting, evidence=evidence)
-
-
-def _resisting(state: Carried) -> list[Push]:
-    """Return what friction does on the bodies."""
-    each = ((name, one) for one in state.scene.friction for name in state.scene.bodies)
-    return [Push(name, force, at, moment) for name, one in each for force, at, _, moment in ends(state, one, name)]
+    return Carried(evidence.reference.scene, motion, evidence=evidence).pressed(evidence.reference.stroke_ends)
 
 
 def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -168,7 +163,6 @@ def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
 
 
 def _backwards(load: Load) -> Load | None:
-    """Return a load whose table is backwards, if it has one."""
     if isinstance(load, ForceTable):
         return replace(load, forces=load.forces[::-1])
     if not isinstance(load, GuideForce | TableForce | Moment) or load.table is None:
@@ -242,7 +236,7 @@ def _friction(carried: Carried) -> Iterator[Hypothesis]:
                 fits.append((replace(cause, names=(how,)), {c: size * own for c, own in unit.items()}))
         for how, resistance in (("Coulomb", load), ("viscous", np.abs(rubs)), ("dry", 1.0)):
             efforts[cause.place, how] = resistance * np.abs(rubs) * per_rate
-    effort = "drive.torque" if scene.driven_slide is None else "drive.force"
+    effort = scene.effort_channel
     if effort in evidence.names and evidence.outside([effort]) <= EXPLAINED:
         text = "{two} has {one} friction of {place} that no reaction has"
         for (place, how), course in efforts.items():

@@ -40,7 +40,6 @@ def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | 
 
 
 def _instants(scene: Scene, sampling: Rows, motion: Motion, off: float) -> Cause:
-    """Return the cause of instants that are not those asked for."""
     steps = np.diff(motion["time"])
     for kind, text, bad in (
         (Kind.held, "row {count} has the instant of the row before", steps == 0),
@@ -95,7 +94,6 @@ def _of_rows(
 
 
 def _out_of_order(evidence: Evidence, channels: tuple[str, ...]) -> Iterator[Hypothesis]:
-    """Yield rows that are those of other instants."""
     scale = evidence.reference.scale
     true, given = (_rows(of, channels, scale) for of in (evidence.true, evidence.given))
     off = np.sum((given - true) ** 2, axis=1)

@@ -184,7 +184,6 @@ def load_name(load: Load) -> str:
 
 
 def _of_places(scene: Scene) -> Iterator[Numbers]:
-    """Yield lengths, points, guides, and the scale of the whole linkage."""
     for point in scene.ground:
         yield Numbers(Cause(Kind.place, point, "{place} is {length} off"), _turned(f"ground.points.{point}"))
     for name, body in scene.bodies.items():

@@ -50,7 +50,6 @@ def _times(_: Scene, cause: Cause) -> str:
 
 
 def _percent(share: float) -> str:
-    """Return by how much of itself something is off."""
     if abs(share + 1) < NEAR_NONE:
         return MISSING
     if abs(share + 2) < NEAR_OPPOSITE:
@@ -71,7 +70,6 @@ def _inertia(scene: Scene, cause: Cause) -> str:
 
 
 def _com(scene: Scene, cause: Cause) -> str:
-    """Return how far a centre of mass is off, or where it is."""
     body = scene.bodies[cause.place]
     own, placed = weights(scene, body).com, arms(scene, body)
     known = {f"at {point}": at for point, at in placed.items()}
@@ -113,7 +111,6 @@ def _faster(_: Scene, cause: Cause) -> str:
 
 
 def _frame(scene: Scene, cause: Cause) -> str:
-    """Return the frame of a result: whether it is mirrored, its angle, its origin."""
     mirrored, angle, x, y = cause.amounts
     parts = ["mirrored"] * bool(mirrored) + [f"turned by {_in_unit(scene, 'angle', angle, 4)}"] * bool(angle)
     least = NEAR_ZERO * hypot(x, y)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.model.motion import Samples
+from scenes.model.motion import Samples, quantity
 
 from ...mechanics.axis import cycle_name
 from .curves import CycleCurve
@@ -78,7 +78,7 @@ def _largest(name: str, kind: str, curve: CycleCurve, motion: Motion) -> CycleNu
 
 def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[CycleNumber]:
     """Yield the drive's largest torque or force with its motion and against it, their RMS value, power and work."""
-    effort = "torque" if scene.driven_slide is None else "force"
+    effort = quantity(scene.effort_channel)
     values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
     rate = scene.drive.at(time).rate
     with_motion = np.abs(values) * np.sign(np.where(rate == 0, 1.0, values * rate))  # what holds still drives

@@ -57,7 +57,6 @@ def needed(scene: Scene) -> Iterator[str]:
 
 
 def _tables(scene: Scene) -> list[tuple[str, LoadCurve]]:
-    """The tables of loads, each with its body."""
     return [(load.body, table) for load in scene.loads if (table := table_of(load)) is not None]
 
 

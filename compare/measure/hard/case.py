@@ -131,7 +131,6 @@ def _attempted(case: Case, reference: Reference, measured: Measurement, explaine
 
 
 def _figures(measured: Measurement, reference: Reference, explained: Explained) -> Row:
-    """Return condition, distance to lock and errors by group."""
     row: Row = {"condition": float(explained.condition.max())}
     if measured.run.motion is not None and measured.comparison is not None:
         motion = reference.at(measured.comparison.position, measured.run.motion["time"])

@@ -82,7 +82,6 @@ def _read(data: Any, asked: Asked, change: MemberChanges) -> Member | None:
 def _by_workers(
     client: "Client", asked: Asked, changes: Sequence[MemberChanges], progress: Progress
 ) -> Iterator[Member]:
-    """Yield members as workers are done with them."""
     from ...engines.processes.cluster import spread
 
     made = [(change, changed(asked.file, change)) for change in changes]

@@ -111,7 +111,6 @@ def _row(measurement: Measurement, settings: Settings, role: str, tier: str) -> 
 
 
 def _seconds(runs: Sequence[Run]) -> dict[str, Any]:
-    """The times of a row."""
     build, solve, wall = zip(*((run.build_s, run.solve_s, run.wall_s) for run in runs), strict=True)
     known = {"build_s": min(build), "solve_min_s": min(solve), "solve_median_s": median(solve)}
     return known | {"solve_spread_s": max(solve) - min(solve), "solve_wall_s": min(wall)}

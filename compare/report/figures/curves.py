@@ -105,7 +105,7 @@ def _force_panels(reference: Reference) -> Iterator[Panel]:
         judged = [channel for curve in curves for channel in curve.factors]
         title = f"force [{newtons}], moment [{moments}]"
         yield Panel(f"Guide: force and moment on {body}", title, curves, judged)
-    drive = effort("drive.", "torque" if scene.driven_slide is None else "force")
+    drive = effort("drive.", quantity(scene.effort_channel))
     title = f"Drive: {drive.name} on {scene.drive.body}"
     yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [*drive.factors])
 
@@ -220,7 +220,7 @@ def friction(study: Study) -> Figure:
     for number, (joint, power) in enumerate(taken.items()):
         stack = {"stackgroup": "losses", "stackgaps": "interpolate"}  # of curves that are thinned each by itself
         draw(figure, joint, over, factor * power, 1, line={"color": colour(number), "width": 0.5}, **stack)
-    effort = "drive.torque" if scene.driven_slide is None else "drive.force"
+    effort = scene.effort_channel
     factor, unit = units(study.reference)[UNITS[quantity(effort)]]
     draw(figure, "with friction", over, factor * motion[effort], 2, line={"color": DARK_GREY})
     free = {"color": DARK_GREY, "dash": "dot"}

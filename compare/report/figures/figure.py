@@ -110,7 +110,6 @@ def draw(
 
 
 def _name(number: int) -> str:
-    """The number of a panel in the names of its axes."""
     return str(number) if number > 1 else ""
 
 

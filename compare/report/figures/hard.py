@@ -51,7 +51,6 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
 
 
 def _ticks(labels: Collection[object]) -> dict[str, Any]:
-    """An axis of cells by their labels."""
     return {"tickvals": [*range(len(labels))], "ticktext": [*labels], "range": [-0.5, len(labels) - 0.5]}
 
 

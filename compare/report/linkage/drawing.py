@@ -11,7 +11,7 @@ from scenes.scene import Body, Moment, PinFriction
 
 from ...mechanics.axis import prefixed
 from ...mechanics.elements import force
-from ...mechanics.motion_vectors import MotionVectors, Vectors, press_forces
+from ...mechanics.motion_vectors import MotionVectors, Vectors
 
 SIZE = 1000.0  # of the picture's longer side, in its own units
 PX = SIZE / 480  # a pixel, in those units: what signs that do not scale are drawn in until a script knows better
@@ -61,9 +61,7 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
         for channel, direction, name in pushes:
             if channel in motion:
                 yield Arrow(name, body.points[0], motion[channel] * direction, (f"{name} x", f"{name} y"))
-    ends = zip(press_forces(scene), state.stroke_ends(), strict=True)
-    acting = [load.acts(*state.displacement(scene.bodies[load.body])[:2], end) for load, end in ends]
-    state = MotionVectors(scene, pose, acting)
+    state = state.pressed(state.stroke_ends())
     for body in scene.bodies.values():
         own = [load for load in scene.loads if load.body == body.name and not isinstance(load, Moment)]
         for number, load in enumerate(own):

@@ -43,7 +43,7 @@ class MovingPicture:
             if m.run.engine != REFERENCE and not m.foreign and m.run.motion is not None and m.comparison is not None
         }
         self.names = [REFERENCE, *self.engines]  # as they are numbered in the data
-        self._effort = [c for c in ("drive.torque", "drive.force") if c in study.motion]  # one, or none
+        self._effort = [c for c in (scene.effort_channel,) if c in study.motion]  # one, or none
         self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]
         plotted = [channel for panel in panels for curve in panel.curves for channel in curve.factors]
         forces = [component for arrow in self.drawing.arrows for component in arrow.components]

@@ -275,7 +275,6 @@ def _slot(group: Element, ends: Vectors, outline: Vectors) -> None:
 
 
 def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
-    """The points of a bar that are nearest to some places."""
     way = end - start
     share = np.clip(((places - start) * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
     return np.asarray(start + share * way)

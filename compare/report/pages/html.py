@@ -62,7 +62,6 @@ def _templates(package: str) -> Environment:
 
 @cache
 def _library() -> str:
-    """Plotly's script, packed."""
     return packed((files("plotly") / "package_data/plotly.min.js").read_bytes(), LEVEL)
 
 

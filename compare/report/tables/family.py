@@ -99,7 +99,6 @@ def _at_a_joint(peak: Peak) -> bool:
 
 
 def _error(family: Family, m: Measurement) -> str:
-    """The largest error of an engine, or why there is none."""
     if m.run.status is not Status.ok:
         return m.run.status.name
     worst = worst_error(family.scene, m)

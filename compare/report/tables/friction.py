@@ -1,6 +1,6 @@
 """What friction does in the reference's motion: losses by joint, efficiency, where it jams, where it locks itself."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
@@ -14,7 +14,7 @@ from ...engines import registry
 from ...mechanics.axis import axis, cycle_name
 from ...mechanics.elements import drive_power, of_element
 from ...mechanics.friction import contraction, rate, resting
-from ...mechanics.motion_vectors import MotionVectors, press_forces
+from ...mechanics.motion_vectors import MotionVectors
 from ...study import Study
 from ..numbers import percent, short, units, written
 from . import TableRows
@@ -50,10 +50,11 @@ def sentences(study: Study) -> Iterator[str]:
     """Yield what friction does, a sentence each."""
     scene, cycle, named = study.scene, study.reference.cycle, units(study.reference)
     yield from _efficiency(study)
-    channel, name = _effort(scene), "torque" if scene.driven_slide is None else "force"
+    channel = scene.effort_channel
     both = (float(np.abs(values).max()) for values in (cycle[channel], frictionless(scene, cycle)))
     largest, free = (written(value, UNITS[quantity(channel)], named) for value in both)
-    yield f"At {len(cycle['time']):,} positions the drive's largest {name} is {largest}, without friction {free}."
+    what = f"the drive's largest {quantity(channel)} is {largest}, without friction {free}"
+    yield f"At {len(cycle['time']):,} positions {what}."
     yield _jam(scene)
     if isinstance(scene.drive, ConstantSpeed):
         yield _locking(study)
@@ -90,11 +91,9 @@ def _efficiency(study: Study) -> Iterator[str]:
 
 def _of_loads(study: Study) -> Samples:
     """The power of all loads on the bodies in a cycle, W."""
-    scene, state = study.scene, MotionVectors(study.scene, study.reference.cycle)
-    ends = zip(press_forces(scene), study.reference.stroke_ends, strict=True)
-    acting = [load.acts(*state.displacement(scene.bodies[load.body])[:2], end) for load, end in ends]
-    state, power = MotionVectors(scene, state.motion, acting), np.zeros_like(state.motion["time"])
-    for body, load in product(scene.bodies, scene.loads):
+    state = MotionVectors(study.scene, study.reference.cycle).pressed(study.reference.stroke_ends)
+    power = np.zeros_like(state.motion["time"])
+    for body, load in product(study.scene.bodies, study.scene.loads):
         for push in of_element(state, load, body):
             power += (push.velocity.conjugate() * push.force).real + push.moment * state.turning(body)[1]
     return power
@@ -102,12 +101,8 @@ def _of_loads(study: Study) -> Samples:
 
 def frictionless(scene: Scene, motion: Motion) -> Samples:
     """The drive's torque, N m, or force, N, without friction, at the samples of a motion."""
-    free, channel = replace(scene, friction=()), _effort(scene)
+    free, channel = replace(scene, friction=()), scene.effort_channel
     return registry.reference(free, frozenset((channel,)))(motion[scene.drive_channel], motion["time"])[channel]
-
-
-def _effort(scene: Scene) -> str:
-    return "drive.torque" if scene.driven_slide is None else "drive.force"
 
 
 def _joules(work: float) -> str:
@@ -123,23 +118,19 @@ def _jam(scene: Scene) -> str:
         scaled = (replace(one, coefficient=factor * one.coefficient) for one in scene.friction)
         harder = replace(scene, friction=tuple(scaled))
         try:
-            registry.reference(harder, frozenset((_effort(scene),)))(CYCLE.commanded(scene), CYCLE.times(scene))
+            registry.reference(harder, frozenset((scene.effort_channel,)))(CYCLE.commanded(scene), CYCLE.times(scene))
         except Failure:
             return False
         return True
 
     if passes(LARGEST):
         return f"It does not jam with {LARGEST:g} times its coefficients of friction."
-    low = _bisected(passes, 1.0, LARGEST)
-    more = "with more it jams, or its forces are not determined"
-    return f"It moves with up to {low:.3g} times its coefficients of friction; {more}."
-
-
-def _bisected(passes: Callable[[float], bool], low: float, high: float) -> float:
+    low, high = 1.0, LARGEST
     for _ in range(HALVINGS):
         middle = (low * high) ** 0.5
         low, high = (middle, high) if passes(middle) else (low, middle)
-    return low
+    more = "with more it jams, or its forces are not determined"
+    return f"It moves with up to {low:.3g} times its coefficients of friction; {more}."
 
 
 def _locking(study: Study) -> str:

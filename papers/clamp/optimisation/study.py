@@ -133,7 +133,6 @@ def ahead(aim: str, condition: str, clearance: Clearance) -> Problem:
 
 
 def _beyond(effort: Effort) -> Iterator[Task]:
-    """The searches for designs ahead of scheme 4, under more and less strict conditions."""
     once = replace(effort, restarts=0)
     for aim, condition, sizes in product(AIMS, CONDITIONS, SIZES):
         searched = once if (aim, sizes) == (SIX, "for scheme 4") else effort  # slow, and stricter

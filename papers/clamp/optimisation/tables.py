@@ -42,7 +42,6 @@ def rows(points: Sequence[Point]) -> list[Row]:
 
 
 def _row(name: str, at: str, d: Design) -> Row:
-    """What is known of a design: its values, and what it is worth."""
     worth = {of: measure(of, d) for of in MEASURES} | {"gain": _gain(d)}
     return {"set": name, "at": at} | variables(d) | worth
 
