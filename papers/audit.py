@@ -11,7 +11,6 @@ with starting(__name__):
     from dataclasses import asdict
     from pathlib import Path
 
-    import pandas as pd
     from markupsafe import Markup, escape
 
     from compare.engines.processes.stopping import Progress
@@ -19,6 +18,7 @@ with starting(__name__):
     from compare.report.output.placing import check_writable, placed
     from compare.report.pages.html import render
     from compare.report.plain import json_text
+    from compare.report.tables import TableRows
     from compare.report.tables.study import floors
     from scenes import load
 
@@ -86,12 +86,10 @@ def write(claims: Mapping[str, Sequence[Claim]], notes: Sequence[str], folder: P
     return folder / "audit"
 
 
-def overview(claims: Mapping[str, Sequence[Claim]]) -> pd.DataFrame:
+def overview(claims: Mapping[str, Sequence[Claim]]) -> TableRows:
     """How many claims of each source came out how."""
     counts = {source: Counter(claim.verdict for claim in rows) for source, rows in claims.items()}
-    return pd.DataFrame(
-        {"source": source} | {str(verdict): count[verdict] for verdict in Verdict} for source, count in counts.items()
-    )
+    return [{"source": source} | {str(each): count[each] for each in Verdict} for source, count in counts.items()]
 
 
 def _formula(written: str) -> Markup:

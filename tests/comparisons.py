@@ -14,8 +14,9 @@ from compare.engines.registry import settings_of
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import ChannelError, compare, error_table, shown_groups
+from compare.judge.measure import Measurement
 from compare.measure.speed.timing import Again, Budget, Times, take_turns
-from compare.mechanics.mechanics import Mechanics
+from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from compare.mechanics.reference import Reference
 from compare.study import Study, study
 from scenes import Motion, Sampling, Scene, Settings
@@ -33,6 +34,11 @@ Studies = Callable[..., Study]
 def all_checks(scene: Scene) -> set[str]:
     """Return the names of the checks without a reference of a scene with masses."""
     return {"drive", "closure", "branch", *shown_groups(scene), "Newton", "Euler", "power"}
+
+
+def estimated(measured: Measurement) -> float:
+    """Return the largest relative error that is known without a reference."""
+    return max(check.worst for check in measured.checks if check.check in SHOWN_GROUPS)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from scenes.model.motion import quantity
 
 from ..engines.registry import REFERENCE, tiers
 from ..engines.runner import HERE, Run, Runs, complete
-from ..mechanics.mechanics import GROUPS, SHOWN_GROUPS, Mechanics
+from ..mechanics.mechanics import GROUPS, Mechanics
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import travels
@@ -57,11 +57,6 @@ class Measurement:
     def largest(self) -> float:
         """The largest error of all channels, not a number where none is known."""
         return worst_of(self.errors).max if self.errors else np.nan
-
-    @property
-    def estimate(self) -> float:
-        """The largest relative error that is known without a reference; zero where too few channels are there."""
-        return float(np.max([check.worst for check in self.checks if check.check in SHOWN_GROUPS], initial=0.0))
 
 
 def measure(

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from math import sqrt
+from typing import TypeAlias
 
 import numpy as np
-import pandas as pd
 
 from scenes.model.motion import Samples
 
@@ -14,6 +14,8 @@ from .formulas import DEGREE, PUBLISHED
 from .measures import FINE, MEASURES, peak_valley
 from .printed import MEASURED, TABLE_1, TABLE_2
 from .rounding import Corners, Measured, one_for_all, sensitivity
+
+Spans: TypeAlias = Mapping[str, Mapping[str, float]]  # by reading, then by design, and `change`
 
 NEAR_LOCK = 2.5  # deg, where M_P is printed
 SPEED = 100.0  # mm/s, of the crosshead, which is not given
@@ -89,10 +91,10 @@ def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
     printed = {name: TABLE_1["a_m peak-valley"][name] for name in known}
     initial, scheme_4 = map(float, printed.values())
     spans = _spans(PEAK_VALLEY)
-    best = str((spans["change"] - 100 * (scheme_4 / initial - 1)).abs().idxmin())
-    fits = {name: SPEED * sqrt(float(text) / spans[name][best]) for name, text in printed.items()}
+    best = min(spans, key=lambda text: abs(spans[text]["change"] - 100 * (scheme_4 / initial - 1)))
+    fits = {name: SPEED * sqrt(float(text) / spans[best][name]) for name, text in printed.items()}
     for name, text in printed.items():
-        span = float(spans[name][best])
+        span = spans[best][name]
         slow, fast = (span * (speed / SPEED) ** 2 for speed in SPEEDS)
         yield number(
             f"table 1 a_m peak-valley, {name}",
@@ -105,14 +107,14 @@ def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
     yield number(
         "table 1 change of a_m peak-valley, at the same V_o",
         TABLE_1["a_m peak-valley"]["change"],
-        float(spans["change"][best]),
+        spans[best]["change"],
         scale=100,
         note=f"%; {_listed(spans)}; a V_o for scheme 4 that is {apart:.1f} % higher would fit. Unlike a peak-valley:"
         f" {_listed(_spans(UNLIKE))}; {_of_the_mean(known, initial)}",
     )
 
 
-def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> pd.DataFrame:
+def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> Spans:
     """What each reading gives for each design at face value, mm/s^2, and how far scheme 4 is above the initial, %."""
     strokes = {name: formulas.at(d, d.alpha_max * np.linspace(0, 1, ALPHAS)) for name, d in PUBLISHED.items()}
     values = {
@@ -120,12 +122,11 @@ def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> pd.DataFrame:
         for form, as_is in FORMS.items()
         for text, of in readings.items()
     }
-    spans = pd.DataFrame.from_dict(values, orient="index")
-    return spans.assign(change=100 * (spans["scheme 4"] / spans["initial"] - 1))
+    return {text: of | {"change": 100 * (of["scheme 4"] / of["initial"] - 1)} for text, of in values.items()}
 
 
-def _listed(spans: pd.DataFrame) -> str:
-    return ", ".join(f"{change:+.1f} {text}" for text, change in spans["change"].items())
+def _listed(spans: Spans) -> str:
+    return ", ".join(f"{of['change']:+.1f} {text}" for text, of in spans.items())
 
 
 def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:

@@ -22,8 +22,10 @@ def page(records: Sequence[Record]) -> str:
     return render(
         "faults.html",
         "tests.faults",
-        rates=rates(records),
-        let_through=let_through(records),
-        families=[(family, own.sort_values("found", kind="stable")[COLUMNS]) for family, own in families],
+        rates=rates(records).to_dict("records"),
+        let_through=let_through(records).to_dict("records"),
+        families=[
+            (family, own.sort_values("found", kind="stable")[COLUMNS].to_dict("records")) for family, own in families
+        ],
         file=FILE,
     )

@@ -8,7 +8,7 @@ from gzip import compress
 from importlib.resources import files
 from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jinja2 import ChoiceLoader, Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
@@ -19,9 +19,6 @@ from ...engines.kept import environment
 from ...judge.agreement import Word
 from ..figures.figure import CONFIG, CURVE, Figure, template
 from ..numbers import percent, short
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 HERE, LINKAGE = "compare.report.pages", "compare.report.linkage"  # the packages of the templates that pages share
 ROWS = 200  # of a table or a list, at most
@@ -104,13 +101,13 @@ class Parts:
 
 
 def shortened(
-    table: "Sequence[Mapping[Any, object]] | DataFrame", worst: str = "", whole: str = "the JSON file"
+    rows: Sequence[Mapping[Any, object]], worst: str = "", whole: str = "the JSON file"
 ) -> tuple[list[str], list[list[object]], str]:
     """Columns and rows of a table for a page, and in a sentence which rows of a long one are shown.
 
     Those with the largest numbers in the column `worst`, NaN as the largest, or the first ones; all are in `whole`.
     """
-    rows, left_out = table if isinstance(table, Sequence) else table.to_dict("records"), ""
+    left_out = ""
     columns = dict.fromkeys(column for row in rows for column in row)
     if len(rows) > ROWS:
         which = f"with the largest {worst}" if worst else "that come first"

@@ -4,7 +4,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
-import pandas as pd
+
+from compare.report.tables import TableRows
 
 from ..constraints import BOTH, SLENDER, STROKE, Clearance, slacks
 from ..formulas import INITIAL, PUBLISHED, SCHEME_4, UNITS, Array, Design
@@ -62,18 +63,18 @@ def improved(points: Sequence[Point]) -> list[Point]:
     return [*missing, *(p for p in points if not min(p.short, default=0.0) >= -AGREES)]
 
 
-def curve(points: Sequence[Point], name: str) -> pd.DataFrame:
+def curve(points: Sequence[Point], name: str) -> TableRows:
     """One row a point of a set, as the page shows it."""
-    return pd.DataFrame(_shown(point.at, point.optimum.design) | _searched(point) for point in of(points, name))
+    return [_shown(point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
 
 
-def ahead(points: Sequence[Point]) -> pd.DataFrame:
+def ahead(points: Sequence[Point]) -> TableRows:
     """One row for each search for a design ahead of scheme 4, scheme 4 itself first."""
     table = [_shown("scheme 4", SCHEME_4)]  # which nothing searched for
     for name in (FORCE, AHEAD, ROOM):
         label = "" if name == AHEAD else f"{name.removeprefix(f'{AHEAD}, ')}: "
         table += [_shown(label + point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
-    return pd.DataFrame(table)
+    return table
 
 
 def _shown(label: str, d: Design) -> Row:
@@ -91,47 +92,45 @@ def _searched(point: Point) -> Row:
     return {"agree": agree, "evolution": evolution, "violation": f"{point.optimum.violation:.0e}"}
 
 
-def published() -> pd.DataFrame:
+def published() -> TableRows:
     """The published designs' measures beside what is printed."""
-    return pd.DataFrame(
-        {
-            "design": name,
-            "measure": of,
-            "printed": TABLE_1[PRINTED_AS.get(of, of)][name],
-            "computed": f"{measure(of, d):.5f}",
-        }
+    return [
+        {"design": name, "measure": of, "printed": TABLE_1[PRINTED_AS.get(of, of)][name]}
+        | {"computed": f"{measure(of, d):.5f}"}
         for name, d in PUBLISHED.items()
         for of in TABLE_1
         if of in MEASURES
-    )
+    ]
 
 
-def constraints(points: Sequence[Point]) -> pd.DataFrame:
+def constraints(points: Sequence[Point]) -> TableRows:
     """The slack of every printed constraint, of both published designs and of the curve's points."""
     shown = dict(PUBLISHED) | {p.at: p.optimum.design for p in of(points, MAIN)}
     slack = {label: slacks(d, BOTH) for label, d in shown.items()}
-    return pd.DataFrame(
+    return [
         {"constraint": name} | {label: f"{float(of[name]):.4f}" for label, of in slack.items()}
         for name in slacks(INITIAL, BOTH)
-    )
+    ]
 
 
-def assumed(clearances: Mapping[str, Clearance]) -> pd.DataFrame:
+def assumed(clearances: Mapping[str, Clearance]) -> TableRows:
     """What is assumed of the unknown sizes, mm."""
-    return pd.DataFrame(
-        {"assumed": name, "L1 - Hb <=": c.B, "L5 - Hb <=": c.D, "L3 >=": c.L3, "L4 >=": c.L4} | dict(c.sizes)
+    return [
+        {"assumed": name, "L1 - Hb <=": f"{c.B:.2f}", "L5 - Hb <=": f"{c.D:.2f}", "L3 >=": f"{c.L3:.2f}"}
+        | {"L4 >=": f"{c.L4:.2f}"}
+        | {pin: f"{size:.2f}" for pin, size in c.sizes.items()}
         for name, c in clearances.items()
-    ).map(lambda value: value if isinstance(value, str) else f"{value:.2f}")
+    ]
 
 
-def rechecked(rechecks: Sequence[Recheck]) -> pd.DataFrame:
+def rechecked(rechecks: Sequence[Recheck]) -> TableRows:
     """Each design by the dynamic models."""
-    return pd.DataFrame(
+    return [
         {"design": r.design, "engine": r.engine, "status": r.status}
         | {"M_P": f"{r.M_P:.5f}", "R_S": f"{r.R_S:.6f}", "R_V max": f"{r.R_V_max:.5f}"}
         | {f"{group} error": f"{error:.0e}" for group, error in r.errors.items()}
         for r in rechecks
-    )
+    ]
 
 
 def findings(points: Sequence[Point]) -> Iterator[str]:

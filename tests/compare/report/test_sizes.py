@@ -166,7 +166,7 @@ def test_of_many_joints_the_worst_are_drawn_and_the_rest_is_named(
 def test_long_tables_show_the_worst_rows_and_where_the_rest_is() -> None:
     table = pd.DataFrame({"channel": [f"c{n}" for n in range(1000)], "max": np.arange(1000.0)})
     table.loc[3, "max"] = np.nan
-    columns, rows, left_out = shortened(table, "max", "errors.csv")
+    columns, rows, left_out = shortened(table.to_dict("records"), "max", "errors.csv")
     assert (columns, len(rows)) == (["channel", "max"], ROWS)
     assert [channel for channel, _ in rows[:2]] == ["c3", "c999"]
     assert "c700" not in [channel for channel, _ in rows]
