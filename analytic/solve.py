@@ -130,14 +130,21 @@ class Solver:
         kinds = position.dtype, np.result_type(position.dtype, np.complex64)
         rows = {names: np.empty(len(position), kinds[len(names) - 1]) for names in self.channels}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
+
+            def at(rows: slice) -> tuple[Given, Kinematics]:
+                own = Driven(*(x[rows] if x.ndim else x for x in driven))
+                return self.given_at(position[rows], time[rows]), motion_at(scene, linkage, own)
+
             for _, block in blocks(1, len(position)):
-                k = motion_at(scene, linkage, Driven(*(x[block] if x.ndim else x for x in driven)))
+                given, k = at(block)
                 check_reach(scene, linkage, k, position[block])
                 on = Reactions()
                 if self.request.wants_forces(scene):
-                    given = self.given_at(position[block], time[block])
                     kind = FrictionBalance if scene.friction else Balance
-                    on = kind(scene, linkage, given, k).solve(self.request.channels)
+                    balance = kind(scene, linkage, given, k)
+                    on = balance.solve(self.request.channels)
+                    if isinstance(balance, FrictionBalance):
+                        balance.check(self.request.channels, block.start, at)
                 for names, take in self.channels.items():
                     rows[names][block] = take(k, on)
         return {

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .absolute_forces import Instant
 
 ITERATIONS = 30
+STARTS = 10_000  # of a search for other solutions: of a guide's kinks some 1 in 1000 comes to the other one
 LARGEST_STEP, LEAST_STEP = 1 / 16, 1e-10  # of the factor
 CHANGE = 0.1  # of the largest unknown, in a step
 
@@ -103,6 +104,17 @@ def resisted(A: Floats, b: Floats, joints: Sequence[Resistance]) -> tuple[Floats
             raise JammedError(factor)
     acting = {joint.channel: _acting(joint, 1.0, x)[0] for joint in joints}
     return x, acting | {"friction.power": sum(acting[joint.channel] * joint.rate for joint in joints)}
+
+
+def another(A: Floats, b: Floats, joints: Sequence[Resistance], x: Floats) -> bool:
+    """Return whether there is a solution other than x, as far as one is found from starts near and far."""
+    draw, size = np.random.default_rng(1), float(np.abs(x).max())
+    for _ in range(STARTS):
+        start = x + size * 10 ** draw.uniform(-2, 2) * draw.standard_normal(len(x))
+        found, determinant = _newton(A, b, joints, 1.0, start)
+        if determinant != 0 and np.abs(found - x).max() > 1e-6 * size:
+            return True
+    return False
 
 
 def _acting(joint: Resistance, factor: float, x: Floats) -> tuple[float, Floats]:

@@ -4,6 +4,7 @@ The continuation follows the solution of (1) of `friction` from that without fri
 its Jacobian keeps its sign; it ends where the forces grow without bound, or two solutions meet. There it is jammed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,8 +20,7 @@ SEARCH = 40  # from anywhere
 STARTS = (1e-2, 1.0, 1e2, 1e4)  # times the loads without friction: where other solutions are looked for
 APART = 1e-6  # of each other, relative: two solutions
 FASTER = 0.5  # by which each step of Newton's method is shorter than the one before, near to a solution
-ROUGHLY = 1e-6  # of a coefficient, where only its size is named
-HALVINGS = 20  # to there
+FACTOR, CUT = 1e-8, 1e-5  # how closely shares of all coefficients, and of one alone, are found
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,9 @@ class Rows(Loads):
     def stepped(self, w: Samples, factor: Any, steps: int, *, anywhere: bool = False) -> tuple[Samples, Any, Any]:
         """Newton's method from w, (r, K): where it ends, whether at a solution, and whether each step was much shorter.
 
-        Unless it may be `anywhere`, the determinant of the Jacobian has the sign that it has without friction. The
-        factors on the coefficients are of shape (K, r) or (K, 1).
+        Unless it may be `anywhere`, the determinant of the Jacobian has the sign that it has without friction.
         """
-        slopes = [one.slope(own) for one, own in zip(self.rubbing, factor, strict=True)]
+        slopes = [one.slope(factor) for one in self.rubbing]
         near, before = np.ones(len(w), np.bool_), np.full(len(w), np.inf)
         for _ in range(steps):
             F, J = self.open([*w.T], slopes)
@@ -55,21 +54,17 @@ class Rows(Loads):
                 break
         return w, before <= CLOSE, near
 
-    def continued(self, share: Any = 1.0, least: float = LEAST_STEP) -> tuple[Samples, Samples]:
-        """The solution that the one without friction becomes, (r, K), and the factor where the continuation ends, (r,).
-
-        It is 1 at most; a share of each coefficient, shape (K, r), may be all of it that there is.
-        """
+    def continued(self) -> tuple[Samples, Any]:
+        """The solution that the one without friction becomes, (r, K), and where it ends before the factor 1, (r,)."""
         w = -np.stack([one.viscous for one in self.rubbing], axis=-1)
         factor, step = np.zeros(len(w)), np.full(len(w), 0.25)
-        share = np.broadcast_to(share, (len(self.rubbing), len(w)))
-        while (going := np.flatnonzero((factor < 1) & (step > least))).size:
+        while (going := np.flatnonzero((factor < 1) & (step > LEAST_STEP))).size:
             trial = np.minimum(1.0, factor[going] + step[going])
-            found, good, near = self.picked(going).stepped(w[going], share[:, going] * trial, NEWTON)
+            found, good, near = self.picked(going).stepped(w[going], trial, NEWTON)
             fine = good & near
             w[going[fine]], factor[going[fine]] = found[fine], trial[fine]
             step[going] *= np.where(fine, 2.0, 0.5)
-        return w, factor
+        return w, factor < 1
 
     def several(self, w: Samples) -> Any:
         """Whether there is a solution other than w, as far as one is found from some starts, shape (r,)."""
@@ -80,18 +75,15 @@ class Rows(Loads):
         for some in (np.ones(len(self.rubbing)), *np.eye(len(self.rubbing))) if unproven.any() else ():
             for start in STARTS:
                 from_there = -slope * loads * start * some
-                found, good, _ = self.stepped(from_there, np.ones((len(self.rubbing), 1)), SEARCH, anywhere=True)
+                found, good, _ = self.stepped(from_there, 1.0, SEARCH, anywhere=True)
                 another |= good & (np.abs(found - w).max(axis=-1) > APART * np.abs(w).max(axis=-1))
         return another & unproven
 
-    def freed_by(self, row: int) -> tuple[int, float] | None:
-        """Of a jammed row the friction that has to be cut least for the rest to pass, and to what share of it."""
-        K = len(self.rubbing)
-        each, own = self.picked([row] * K), np.eye(K, dtype=np.bool_)  # a sample for each that is cut
-        low, high = np.zeros(K), np.ones(K)
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            passes = each.continued(np.where(own, middle, 1.0), ROUGHLY)[1] == 1
-            low, high = np.where(passes, middle, low), np.where(passes, high, middle)
-        best = int(low.argmax())
-        return (best, float(low[best])) if low[best] > 0 else None
+
+def largest(passes: Callable[[float], bool], within: float, low: float = 0.0) -> float:
+    """The largest share that passes, from one on that does, by halving."""
+    high = 1.0
+    while high - low > within:
+        middle = (low + high) / 2
+        low, high = (middle, high) if passes(middle) else (low, middle)
+    return low

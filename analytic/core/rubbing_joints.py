@@ -1,9 +1,10 @@
 """Kinetostatics with friction: each group's joints take what they rub by as loads, found from unit loads."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from copy import copy
-from functools import cached_property, reduce
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial, reduce
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,19 +16,23 @@ from scenes.scene import GROUND, ConstantSpeed, Friction, PinFriction
 
 from .decomposition import Dyad, Leg, members
 from .dyads import dot
-from .elements import ActingForce
+from .elements import ActingForce, Given
 from .friction import Loads, Rubbing
 from .geometry import as_complex
 from .groups.group_equations import Group
-from .jamming import Rows
+from .jamming import CUT, FACTOR, Rows, largest
 from .kinetostatics import Balance, Reactions
 from .numbers import samples
+from .placing import Kinematics
 
 Unit: TypeAlias = Mapping[str, list[ActingForce]]  # what one unit of a friction does, by body
 
 
+@dataclass(frozen=True)
 class FrictionBalance(Balance):
     """One pass from the last group to the driver, each with the friction of its joints."""
+
+    stuck: dict[Status, Any] = field(default_factory=dict)  # where it is jammed or undetermined, shape (n,)
 
     def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
         """Return what `Balance.solve` does, and the friction's power where all of it was found."""
@@ -145,7 +150,7 @@ class FrictionBalance(Balance):
                 yield N + 1j * (M * (2 / one.length))
 
     def settled(self, loads: Loads) -> Sequence[Any]:
-        """The frictions; Failure, `jammed` or `undetermined`, at the first position where none, or several, fit."""
+        """The frictions, NaN where friction holds the linkage; that, and where several fit, is noted in `stuck`."""
         w, bound = loads.solved()
         position = self.given["position"]
         hard = np.broadcast_to(~(bound < 1), position.shape) & np.isfinite(reduce(np.add, loads.X0))
@@ -158,25 +163,50 @@ class FrictionBalance(Balance):
         every = [Rubbing(one.of, whole(one.sense), whole(one.viscous)) for one in loads.rubbing]
         rows = Rows(every, [*map(whole, loads.X0)], [[*map(whole, row)] for row in loads.S]).picked(hard)
         with np.errstate(all="ignore"):
-            found, factor = rows.continued()
-            at = position[hard]
-            if (stuck := np.flatnonzero(factor < 1)).size:
-                raise Failure(
-                    Status.jammed, self.jam(rows, int(stuck[0]), float(factor[stuck[0]]), float(at[stuck[0]]))
-                )
-            if (several := rows.several(found)).any():
-                where = self.scene.where(float(at[several.argmax()]))
-                raise Failure(Status.undetermined, f"friction leaves several sets of forces at {where}")
+            found, held = rows.continued()
+            several = held if held.any() else rows.several(found)
+        found[held] = np.nan
+        if several.any():
+            status = Status.jammed if held.any() else Status.undetermined
+            self.stuck.setdefault(status, np.zeros(position.shape, np.bool_))[np.flatnonzero(hard)[several]] = True
         w = [np.array(whole(one)) for one in w]
         for one, column in zip(w, found.T, strict=True):
             one[hard] = column
         return w
 
-    def jam(self, rows: Rows, row: int, factor: float, position: float) -> str:
-        """Where it jams, by how much, and which joint's coefficient would free it."""
-        where = f"friction jams it at {self.scene.where(position)}: it passes with {factor:.6g} of all coefficients"
-        if (cut := rows.freed_by(row)) is None:
-            return where
-        one, share = rows.rubbing[cut[0]].of, cut[1]
-        joint = one.channel(self.scene).rpartition(".")[0]
-        return f"{where}, or with {share * one.coefficient:.4g} instead of {one.coefficient:.4g} at {joint} alone"
+    def check(
+        self, wanted: AbstractSet[str] | None, first: int, at: Callable[[slice], tuple[Given, Kinematics]]
+    ) -> None:
+        """Raise Failure, `jammed` or else `undetermined`, at the first position where no friction, or several, fit.
+
+        These positions begin with number `first` of those of `at`.
+        """
+        for status in (one for one in (Status.jammed, Status.undetermined) if one in self.stuck):
+            row = int(self.stuck[status].argmax())
+            where = self.scene.where(float(self.given["position"][row]))
+            if status is Status.undetermined:
+                raise Failure(status, f"friction leaves several sets of forces at {where}")
+            passing = self.passing(wanted, *at(slice(first + row, first + row + 1)))
+            raise Failure(status, f"friction jams it at {where}: it passes with {passing}")
+
+    def passing(self, wanted: AbstractSet[str] | None, given: Given, k: Kinematics) -> str:
+        """With how much of all coefficients it passes at a position, and which joint's coefficient alone frees it."""
+        frictions = self.scene.friction
+
+        def passes(those: Samples, share: float) -> bool:
+            shares = 1 - (1 - share) * those
+            less = [replace(one, coefficient=s * one.coefficient) for one, s in zip(frictions, shares, strict=True)]
+            balance = FrictionBalance(replace(self.scene, friction=tuple(less)), self.linkage, given, k)
+            balance.solve(wanted)
+            return Status.jammed not in balance.stuck
+
+        all_of_them = f"{largest(partial(passes, np.ones(len(frictions))), FACTOR):.6g} of all coefficients"
+        share, freed = 0.0, None
+        for one, own in zip(frictions, np.eye(len(frictions)), strict=True):
+            if passes(own, share):
+                share, freed = largest(partial(passes, own), CUT, share), one
+        if freed is None:
+            return all_of_them
+        joint = freed.channel(self.scene).rpartition(".")[0]
+        least = f"{share * freed.coefficient:.4g} instead of {freed.coefficient:.4g}"
+        return f"{all_of_them}, or with {least} at {joint} alone"

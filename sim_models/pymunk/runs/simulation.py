@@ -100,16 +100,15 @@ class PymunkSimulation:
         linkage, runs = self._linkage, self._runs
         try:
             residuals = [check_path(linkage, run.path, run.positions, self._branch) for run in runs]
+            commanded = self._sampling.commanded(self._scene)
             if (power := self._channels.get("friction.power")) is not None:
-                commanded = samples[self._scene.drive_channel]
                 _require(self._scene, power != -np.inf, commanded, Status.jammed, "friction holds the linkage")
             finite: NDArray[np.bool_] = np.all(np.isfinite([*samples.values()]), axis=0)
-            commanded = samples[self._scene.drive_channel]
             _require(self._scene, finite, commanded, Status.nonfinite, "a result is not finite")
             residuals += [self._confirmed(run) for run in runs if isinstance(run, Integration) and run.joints]
         except Failure as failure:  # where bodies cannot be put together, pymunk opens joints, flips, or steps over it
             raise Failure(*(obstacle(self._scene) or (failure.status, failure.reason))) from None
-        assembled = assembles(linkage, self._q, self._sampling.commanded(self._scene))
+        assembled = assembles(linkage, self._q, commanded)
         if not assembled and (found := obstacle(self._scene)):
             raise Failure(*found)
         names = dict.fromkeys(chain(*residuals))
