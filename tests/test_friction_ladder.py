@@ -23,7 +23,7 @@ from tests.friction_scenes import everywhere
 
 SAMPLING = Sampling(8)
 TOP = 16.0  # a coefficient with which all of the scenes jam somewhere
-RUNGS = (0.0, 0.5, 0.95, 1.05, 2.0, 4.0)  # times the least coefficient that jams
+RUNGS = (0.0, 0.5, 0.95, 1.05, 2.0)  # times the least coefficient that jams
 
 
 class Held(NamedTuple):
@@ -175,7 +175,7 @@ def test_drawer(held: Held, *, pushed: bool) -> None:
     A load Q along the motion, so P = -Q + c |P|, has P = -Q / (1 + c) with any c, and P = Q / (c - 1) too where c > 1.
     The core says so; the others have the one that a drawer without friction goes on to.
     """
-    for rung in (*RUNGS[:2], 1 - 1e-6, 1 + 1e-6, *RUNGS[4:]):
+    for rung in (*RUNGS[:2], 1 - 1e-6, 1 + 1e-6, 2.0, 40.0):
         force = {"loads.0.force": [Q if pushed else -Q, 0]}
         scene = scene_files.load("drawer", {"friction.0.coefficient": rung * CRITICAL, **force})
         status = Status.jammed if rung > 1 else Status.ok

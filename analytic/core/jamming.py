@@ -50,7 +50,7 @@ class Rows(Loads):
             length = np.abs(dw).max(axis=-1) / np.abs(w).max(axis=-1, initial=1e-300)
             near &= (length <= FASTER * before) | (length <= CLOSE)
             before = length
-            if not (length > CLOSE).any():  # what is not a number has ended too
+            if not ((length > CLOSE) & (near | anywhere)).any():  # what is not a number has ended too
                 break
         return w, before <= CLOSE, near
 
