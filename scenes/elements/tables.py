@@ -39,11 +39,16 @@ class LoadCurve:
         """Its second column, SI."""
         return self.forces or self.moments
 
+    def within(self, argument: Any) -> Any:
+        """Arguments of any shape; of a periodic table those in its period that they stand for."""
+        if not self.periodic:
+            return argument
+        first, period = self.arguments[0], self.arguments[-1] - self.arguments[0]
+        return argument - period * np.floor((argument - first) / period)
+
     def at(self, argument: Any) -> Any:
         """The values at arguments of any shape."""
-        if self.periodic:
-            first, period = self.arguments[0], self.arguments[-1] - self.arguments[0]
-            argument = argument - period * np.floor((argument - first) / period)
+        argument = self.within(argument)
         if not self._of_many:
             return np.interp(argument, self.arguments, self.values)
         value = self.values[0]
