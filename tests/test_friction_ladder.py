@@ -54,10 +54,11 @@ def each(*engines: Held) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("held", [*every])
 
 
-PRESSES = ("toggle_press", "crank_press", "double_toggle_clamp")
-MORE = ("rocking_guide", "lift", "three_at_a_pin", "quick_return", "wedge", "carried_block")
-SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in (*PRESSES, *MORE)]
-by_scene = pytest.mark.parametrize("name", ["two_rods", *SLOW])  # it jams in two parts of its own
+SLOW = ("double_toggle_clamp", "wedge", "carried_block")
+STUDY = ("toggle_press", "crank_press", "rocking_guide", "lift", "three_at_a_pin", "quick_return")
+MARKED = [pytest.param(name, marks=pytest.mark.slow) for name in SLOW]
+MARKED += [pytest.param(name, marks=pytest.mark.study) for name in STUDY]
+by_scene = pytest.mark.parametrize("name", ["two_rods", *MARKED])  # it jams in two parts of its own
 
 
 def run(held: Held, scene: Scene) -> Motion:

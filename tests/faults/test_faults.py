@@ -123,9 +123,12 @@ def test_a_spoilt_element_is_found_and_named(name: str) -> None:
         assert max(off["Newton"], off["Euler"], off["power"]) > 1e-6, fault.kind
 
 
+PRESSES = [pytest.param(name, marks=pytest.mark.study) for name in ("toggle_press_friction", "crank_press_friction")]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("name", ["toggle_press_friction", "crank_press_friction", "sticking_drawer"])
+@pytest.mark.parametrize("name", ["sticking_drawer", *PRESSES])
 def test_friction_that_is_wrong_is_found_placed_and_named(
     name: str, engine: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
