@@ -3,8 +3,8 @@
 `python -m benchmarks.promises [--scenes N] [--elements] [--engines a,b] [--out FILE]`: engines at FAST, balanced and
 EXACT, 36, 72 and 360 samples; and at accuracies from 1e-2 to 1e-6 at one of the three, scene by scene another one. The
 true errors are found outside the comparison, see `tests/true_errors.py`. With `--elements` other scenes, with loads,
-springs and drives of every kind. Records go to a CSV file as they come, so that a run that was stopped goes on. 200
-scenes take about an hour on one core.
+springs, friction and drives of every kind. Records go to a CSV file as they come, so that a run that was stopped goes
+on. 200 scenes take about an hour on one core.
 """
 
 import argparse

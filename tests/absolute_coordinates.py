@@ -10,7 +10,7 @@ but for what the drive asks for, are exact with their derivatives. Reactions and
 and Euler's equations of all bodies, each about its centre of mass, as one linear system.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import hypot, inf, pi
@@ -37,18 +37,23 @@ def solve(
     The instants, s, are needed for tables over the time where the drive's speed changes.
     """
     model = Absolute(scene)
-    if time is None and isinstance(scene.drive, ConstantSpeed):
-        time = (np.asarray(position) - scene.drive.start) / scene.drive.speed
+    found = [model.channels(now) for now in instants(model, position, rate, acceleration, time)]
+    return {name: np.array([row[name] for row in found]) for name in channels(scene) if name != "time"}
+
+
+def instants(
+    model: "Absolute", position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None = None
+) -> Iterator[Instant]:
+    """Yield what is known of each instant but its forces."""
+    if time is None and isinstance(model.scene.drive, ConstantSpeed):
+        time = (np.asarray(position) - model.scene.drive.start) / model.scene.drive.speed
     given = (position, rate, acceleration, np.nan if time is None else time)
     asked = np.stack(np.broadcast_arrays(*map(np.atleast_1d, given)), dtype=float)
     poses = model.poses(asked[0])
     phi = twists(model, poses)
-    found = []
     for here, *rates, at in asked.T.tolist():
         twisted = {spring: of[here] for spring, of in phi.items()}
-        now = Instant(poses[here], *model.rates(poses[here], here, *rates), here, at, twisted)
-        found.append(model.channels(now))
-    return {name: np.array([row[name] for row in found]) for name in channels(scene) if name != "time"}
+        yield Instant(poses[here], *model.rates(poses[here], here, *rates), here, at, twisted)
 
 
 @dataclass(frozen=True)

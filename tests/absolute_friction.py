@@ -6,12 +6,12 @@ where x are reactions and the drive's effort, r_j is what of them friction goes 
 the bodies. From c = 0, x is followed in small steps of one factor on all coefficients.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from scenes.elements.friction import PinFriction
+from scenes.elements.friction import Friction, PinFriction
 
 from .absolute_bodies import Floats
 
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from .absolute_forces import Instant
 
 ITERATIONS = 30
-STARTS = 10_000  # of a search for other solutions: of a guide's kinks some 1 in 1000 comes to the other one
+STARTS = 100  # of a search for other solutions
+SEVERAL = "several"  # whether one was found
+SLOW = 1e-6  # of the largest rate, or speed: here models differ on the sense, within what they find of the motion
 LARGEST_STEP, LEAST_STEP = 1 / 16, 1e-10  # of the factor
 CHANGE = 0.1  # of the largest unknown, in a step
 
@@ -60,27 +62,40 @@ class Resistance(NamedTuple):
         return size, r / (size or 1.0) @ self.carries
 
 
+def slips(model: "Absolute", now: "Instant") -> Iterator[tuple[Friction, float, float]]:
+    """Yield each friction, how fast its joint's parts move on each other, and the largest such rate in the linkage."""
+    scene = model.scene
+    spins = {name: model.turning(name, *now[:3])[1] for name in scene.bodies}
+    speeds = [np.hypot(*(model.point(name, p) @ now.dQ)) for name, body in scene.bodies.items() for p in body.points]
+    for friction in scene.friction:
+        if isinstance(friction, PinFriction):
+            pin = friction.pin(scene)
+            yield friction, spins.get(pin.second, 0.0) - spins.get(pin.first, 0.0), max(map(abs, spins.values()))
+        else:
+            yield friction, model.displaced(friction.slider, now.Q, now.dQ)[1], float(max(speeds))
+
+
+def unsure(model: "Absolute", now: "Instant") -> bool:
+    """Whether a joint is so slow that nobody is held to the sense of its friction."""
+    return any(one.smooth is None and abs(rate) <= SLOW * largest for one, rate, largest in slips(model, now))
+
+
 def resistances(
     model: "Absolute", now: "Instant", unknown: Sequence[str], between: Callable[..., Floats]
 ) -> list[Resistance]:
     """Return the friction of a scene; `between` takes two bodies, and what the first does on the second."""
-    scene = model.scene
-    spins = {name: model.turning(name, *now[:3])[1] for name in scene.bodies}
-    speeds = [np.hypot(*(model.point(name, p) @ now.dQ)) for name, body in scene.bodies.items() for p in body.points]
-    found = []
-    for friction in scene.friction:
+    scene, found = model.scene, []
+    for friction, rate, largest in slips(model, now):
         carries = np.zeros((2, len(unknown)))
         if isinstance(friction, PinFriction):
-            pin, radius, largest = friction.pin(scene), friction.radius, max(map(abs, spins.values()))
+            pin, radius = friction.pin(scene), friction.radius
             names, sizes = [f"{pin.channel}.fx", f"{pin.channel}.fy"], (1.0, 1.0)
             does = between(pin.first, pin.second, np.zeros(2), np.zeros(2), 1.0)
-            rate = spins.get(pin.second, 0.0) - spins.get(pin.first, 0.0)
         else:
-            name, radius, largest = friction.slider, None, float(max(speeds))
+            name, radius = friction.slider, None
             names, sizes = [f"{name}.guide_force", f"{name}.guide_moment"], (1.0, 2 / friction.length)
             slide, at = scene.slides[name], model.point(name, scene.bodies[name].points[0]) @ now.Q
             does = between(slide.on, name, model.vector(slide.on, slide.along) @ now.Q, at, 0.0)
-            rate = model.displaced(name, now.Q, now.dQ)[1]
         carries[[0, 1], [unknown.index(name) for name in names]] = sizes
         sense = float(friction.sense(rate, largest))
         given = friction.channel(scene), friction.coefficient, radius, does, carries
@@ -89,29 +104,38 @@ def resistances(
 
 
 def resisted(A: Floats, b: Floats, joints: Sequence[Resistance]) -> tuple[Floats, dict[str, float]]:
-    """Return x, and the channels of friction; JammedError where no x follows."""
+    """Return x, and the channels of friction, with `SEVERAL` as one more; JammedError where no x follows."""
     x: Floats = np.asarray(np.linalg.solve(A, b), float)
     if not joints:
         return x, {}
-    x, factor, step, orientation = _newton(A, b, joints, 0.0, x)[0], 0.0, LARGEST_STEP, np.linalg.slogdet(A)[0]
+    x, factor, orientation = _newton(A, b, joints, 0.0, x)[0], 0.0, np.linalg.slogdet(A)[0]
+    units = np.linalg.solve(A, np.transpose([joint.does for joint in joints]))
+    gains = [
+        [joint.norm(unit)[0] * abs(other.coulomb(1.0)) for other, unit in zip(joints, units.T, strict=True)]
+        for joint in joints
+    ]
+    unique = np.abs(np.linalg.eigvals(gains)).max() < 1  # the loads change by less than what friction was found by
+    step = 1.0 if unique else LARGEST_STEP
     while factor < 1:
         found, determinant = _newton(A, b, joints, min(factor + step, 1.0), x)
-        if determinant == orientation and np.abs(found - x).max() <= CHANGE * np.abs(found).max():
+        near = unique or np.abs(found - x).max() <= CHANGE * np.abs(found).max()
+        if determinant == orientation and near:
             x, factor, step = found, min(factor + step, 1.0), min(2 * step, LARGEST_STEP)
         else:
             step /= 2
         if step < LEAST_STEP:
             raise JammedError(factor)
     acting = {joint.channel: _acting(joint, 1.0, x)[0] for joint in joints}
-    return x, acting | {"friction.power": sum(acting[joint.channel] * joint.rate for joint in joints)}
+    power = sum(acting[joint.channel] * joint.rate for joint in joints)
+    return x, acting | {"friction.power": power, SEVERAL: not unique and another(A, b, joints, x, units)}
 
 
-def another(A: Floats, b: Floats, joints: Sequence[Resistance], x: Floats) -> bool:
-    """Return whether there is a solution other than x, as far as one is found from starts near and far."""
-    draw, size = np.random.default_rng(1), float(np.abs(x).max())
+def another(A: Floats, b: Floats, joints: Sequence[Resistance], x: Floats, units: Floats) -> bool:
+    """Return whether there is a solution other than x, as far as one is found from frictions of all sizes."""
+    draw, size, c = np.random.default_rng(1), float(np.abs(x).max()), [joint.coulomb(1.0) for joint in joints]
     for _ in range(STARTS):
-        start = x + size * 10 ** draw.uniform(-2, 2) * draw.standard_normal(len(x))
-        found, determinant = _newton(A, b, joints, 1.0, start)
+        start = size * 10 ** draw.uniform(-1, 3) * draw.standard_normal(len(joints)) * c
+        found, determinant = _newton(A, b, joints, 1.0, x - units @ start)
         if determinant != 0 and np.abs(found - x).max() > 1e-6 * size:
             return True
     return False

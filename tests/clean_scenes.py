@@ -88,6 +88,7 @@ def tables(scene: Scene, sizes: Sizes) -> dict[str, Any]:
     many |= {"angle": A, "position": L if slides else A} | dict.fromkeys(("time", "gravity", "direction"), 1.0)
     moment = F * L * METRES[length]  # in the file's force times metre
     many |= {"moment": moment, "damping": F / L, "torsion_stiffness": moment / A, "torsion_damping": moment / A}
+    many |= {"coefficient": 1.0, "turning_rate": 1.0, "turning_damping": moment, "sliding_rate": L}
     scene = put(scene, {number.at: many[number.quantity.dimension] * number.value for number in walk(scene)})
     written = {
         "format": 1,
@@ -107,6 +108,7 @@ def tables(scene: Scene, sizes: Sizes) -> dict[str, Any]:
             for of in scene.torsion_springs
         ]
         or None,
+        "friction": [_without_none(vars(of)) for of in scene.friction] or None,
         "sketch": {"displacement" if slides else "angle": scene.sketch.drive, **scene.sketch.points},
         "output": {"point": scene.output},
     }

@@ -9,7 +9,18 @@ from hypothesis import strategies as st
 from scenes import Scene
 from scenes.bodies import GROUND
 from scenes.elements.tables import COLUMN, LoadCurve, Over
-from scenes.scene import Force, GuideForce, Load, Moment, TableForce, TorsionSpring
+from scenes.scene import (
+    Force,
+    Friction,
+    GuideForce,
+    GuideFriction,
+    Load,
+    Moment,
+    Pin,
+    PinFriction,
+    TableForce,
+    TorsionSpring,
+)
 
 from .linkage_scenes import scene_of
 from .linkages import directions, numbers, signs, vectors, xy
@@ -30,7 +41,8 @@ def element_scenes(draw: st.DrawFn, first: str, kind: str) -> Scene:
     )
     springs = tuple(spring for spring in springs if spring.stiffness or spring.damping is not None)
     torsion = tuple(_torsion_springs(draw, scene))
-    return replace(scene, loads=(*scene.loads, *loads), springs=springs, torsion_springs=torsion)
+    scene = replace(scene, loads=(*scene.loads, *loads), springs=springs, torsion_springs=torsion)
+    return replace(scene, friction=tuple(_friction(draw, scene)))
 
 
 def _loads(scene: Scene) -> list[Callable[[st.DrawFn], Load]]:
@@ -83,3 +95,18 @@ def _torsion_springs(draw: st.DrawFn, scene: Scene) -> Iterator[TorsionSpring]:
         damping = draw(st.none() | numbers(0.1, 2))
         stiffness = draw(numbers(1, 20)) if damping is None else draw(st.just(0.0) | numbers(1, 20))
         yield TorsionSpring(*draw(st.sampled_from(pins)), stiffness, draw(numbers(-4, 4)), damping)
+
+
+def _friction(draw: st.DrawFn, scene: Scene) -> Iterator[Friction]:
+    """Yield friction of some joints, at times so much that it jams: pins and contacts of some percent of the crank."""
+    most = draw(st.sampled_from((0.4, 0.4, 0.4, 1.2)))
+    joints: list[Pin | str] = [pin for pin in scene.pins if {pin.first, pin.second} & {*scene.turning}]  # others rest
+    for joint in (*joints, *scene.slides):
+        if draw(st.booleans()):
+            viscous = draw(st.none() | numbers(0.1, 2))
+            smooth = draw(st.sampled_from((None, None, None, 0.5)))
+            more: dict[str, Any] = {"coefficient": draw(numbers(0.02, most)), "viscous": viscous, "smooth": smooth}
+            if isinstance(joint, str):
+                yield GuideFriction(slider=joint, length=draw(numbers(0.1, 0.8)), **more)
+            else:
+                yield PinFriction(at=joint.point, body=joint.second, radius=draw(numbers(0.01, 0.08)), **more)

@@ -1,6 +1,6 @@
 """Whether verdicts keep their word: runs called ok within what was promised, and no run refused that is."""
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,7 +13,9 @@ from compare import study
 from compare.engines.registry import TIERS, Accuracy
 from compare.engines.runner import HERE, Run
 from compare.judge import judgement
-from scenes import Sampling, Scene
+from compare.judge.measure import checked_run, measure
+from compare.mechanics.reference import uncertified
+from scenes import Failure, InputError, Sampling, Scene
 from scenes.elements import PLAIN_KINDS
 from scenes.scene import ForceTable, MotionLaw, PressForce
 
@@ -44,6 +46,7 @@ class PromiseRecord:
     of: str  # the vector that is furthest off
     drive: float
     drive_promise: float
+    fate: str = ""  # what friction does at some instants: `jammed`, `undetermined` or both
 
     @property
     def within(self) -> bool:
@@ -51,12 +54,18 @@ class PromiseRecord:
 
     @property
     def broken(self) -> bool:
-        """Whether a run was called ok and is off by more than promised."""
-        return self.status == "ok" and not self.within
+        """Whether a run was called ok and is off by more than promised.
+
+        The core says besides whether other forces fit; the engines are held to those that friction from none leads to.
+        """
+        overlooked = self.engine == "analytic" and "undetermined" in self.fate
+        return self.status == "ok" and (overlooked or not self.within)
 
     @property
     def false_alarm(self) -> bool:
         """Whether the comparison refused a run that is within its promise."""
+        if self.status in ("jammed", "undetermined"):
+            return self.status not in self.fate
         return self.status != "ok" and self.found_by in ("checks", "reference") and self.within
 
 
@@ -64,21 +73,38 @@ def records(
     scene: Scene, wanted: dict[int, tuple[Accuracy, ...]], engines: Sequence[str] = ENGINES
 ) -> Iterator[PromiseRecord]:
     """Yield the verdicts of every engine on a scene, by samples a cycle and accuracy, beside the truth."""
-    truth, core = Truth(scene), core_error(scene)
+    truth, core = Truth(scene), 0.0 if scene.friction else core_error(scene)
     with _shared():
         for samples, accuracies in wanted.items():
             for accuracy in accuracies:
-                found = compare.check(scene, engines, samples, accuracy=accuracy)
-                for run in (m.run for m in found.measurements):
+                for run in _judged(scene, engines, samples, accuracy):
                     off = core if run.engine == "analytic" else 0.0
                     yield record(truth, run, Sampling(samples), f"{accuracy}", off)
+
+
+def judged_runs(scene: Scene, engines: Iterable[str], sampling: Sampling) -> list[Run]:
+    """Return the runs of engines at their default settings, judged by themselves where friction leaves no reference."""
+    try:
+        reference = uncertified(scene)
+    except Failure:
+        assert scene.friction
+        return [checked_run(engine, scene, sampling) for engine in engines]
+    return [measure(reference, engine, sampling).run for engine in engines]
+
+
+def _judged(scene: Scene, engines: Sequence[str], samples: int, accuracy: Accuracy) -> list[Run]:
+    try:
+        return [m.run for m in compare.check(scene, engines, samples, accuracy=accuracy).measurements]
+    except InputError:
+        return judged_runs(scene, engines, Sampling(samples))
 
 
 def record(truth: Truth, run: Run, sampling: Sampling, accuracy: str = "balanced", least: float = 0.0) -> PromiseRecord:
     """Return the verdict on a run beside the truth; `least` is how far it is known to be off, relative."""
     scene, settings, worst = truth.scene, run.settings, {DRIVE: float("nan"), "": float("nan")}
+    fate = truth.fates(sampling)
     assert settings is not None
-    if run.motion is not None:
+    if run.motion is not None and "jammed" not in fate:
         worst = {name: float(error.max()) for name, error in truth.errors(run.motion, sampling).items()}
     drive = worst.pop(DRIVE)
     of = max(worst, key=lambda name: worst[name] if worst[name] >= 0 else float("inf"))
@@ -86,6 +112,7 @@ def record(truth: Truth, run: Run, sampling: Sampling, accuracy: str = "balanced
         *(scene.name, " ".join(features(scene)), run.engine, accuracy, sampling.samples, settings.label),
         *(run.status.name, run.found_by, run.reason, settings.promise),
         *(max(worst[of], least), of, drive, settings.drive_promise),
+        fate,
     )
 
 

@@ -17,7 +17,7 @@ from scenes.fields import put
 from scenes.model.motion import Samples
 from tests import absolute_forces, scene_files
 from tests.absolute_coordinates import solve
-from tests.absolute_friction import JammedError, another, resisted
+from tests.absolute_friction import SEVERAL, JammedError, resisted
 from tests.agreement import FORCES, errors, worst
 from tests.friction_scenes import everywhere
 
@@ -102,11 +102,11 @@ def jams(name: str) -> Samples:
 
 def several(scene: Scene, where: str) -> bool:
     """Whether the tests' own equations have more than one solution at the first sample of that name."""
-    found: list[bool] = []
+    found: list[float] = []
 
     def searched(A: Any, b: Any, joints: Any) -> Any:
         x, acting = resisted(A, b, joints)
-        found.append(another(A, b, joints, x))
+        found.append(acting[SEVERAL])
         return x, acting
 
     row = [scene.where(float(at)) for at in SAMPLING.commanded(scene)].index(where)

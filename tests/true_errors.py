@@ -5,8 +5,8 @@ points, w and w^2 for bodies, the peak of its joint for a force. A place is rela
 largest distance between two of its positions, but at least a hundredth of the linkage's largest; an angle to 1 rad.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -15,13 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import analytic
-from scenes import Motion, Sampling, Scene
-from scenes.model.motion import Samples
+from scenes import Failure, Motion, Sampling, Scene
+from scenes.model.motion import Samples, channels, friction_channels
 from scenes.scene import GROUND, Force, PressForce
 
 from . import absolute_coordinates
+from .absolute_friction import SEVERAL, SLOW, JammedError, unsure
 
 SAMPLES = 720  # a cycle: fine enough for peaks to 1e-5 of themselves
+FEW = 72  # a cycle, where friction jams at some instants: for peaks of the others
 HAIR = 1e-6  # of a slider's range and peak speed: nearer to a press force's switch, it may or may not act
 TURNING = 1e-3  # of its peak speed, where it turns round: the way left goes with the square of the speed
 CANCELLED = 16 * np.finfo(float).eps  # of the largest force: what doubles leave where it cancels, by some ten terms
@@ -45,28 +47,72 @@ def by_absolute(scene: Scene, time: Samples) -> Channels:
 
 
 @dataclass(frozen=True)
+class Rubbed:
+    """A motion with friction in absolute coordinates."""
+
+    channels: Channels  # NaN where it jams
+    fates: Sequence[str]  # by row: `moves`, `jammed` or `undetermined`
+    unsure: Rows  # where the sense of some friction is not known, so that nobody is held to the forces
+
+    @classmethod
+    def of(cls, scene: Scene, time: Samples) -> "Rubbed":
+        drive, model, rows, fates, slow = scene.drive.at(time), absolute_coordinates.Absolute(scene), [], [], []
+        none = {name: np.nan for name in channels(scene) if name != "time"}
+        for now in absolute_coordinates.instants(model, *drive, time):
+            slow.append(unsure(model, now))
+            try:
+                rows.append(model.channels(now))
+                fates.append("undetermined" if rows[-1].get(SEVERAL) else "moves")
+            except JammedError:
+                rows.append(none)
+                fates.append("jammed")
+        rests = np.array(slow) | (np.abs(drive.rate) <= SLOW * scene.drive.peak_rate)
+        return cls({name: np.array([row[name] for row in rows]) for name in none}, fates, rests & bool(scene.friction))
+
+
+@dataclass(frozen=True)
 class Truth:
     """The true motion of a scene, and what errors are relative to."""
 
     scene: Scene
     solve: Callable[[Scene, Samples], Channels] = by_core
+    known: dict[Sampling, Rubbed] = field(default_factory=dict)
+
+    def rubbed(self, sampling: Sampling) -> Rubbed:
+        """Return the motion of a scene with friction."""
+        if sampling not in self.known:
+            self.known[sampling] = Rubbed.of(self.scene, sampling.times(self.scene))
+        return self.known[sampling]
+
+    def fates(self, sampling: Sampling) -> str:
+        """Return what friction does at some instants, `jammed` or `undetermined` or both."""
+        fates = self.rubbed(sampling).fates if self.scene.friction else ()
+        return " ".join(sorted({*fates} - {"moves"}))
 
     def errors(self, motion: Motion, sampling: Sampling) -> dict[str, Samples]:
         """Return the errors of a motion by vector, shape (n,); on a press force's switch on the side that fits best."""
         time = sampling.times(self.scene)
-        found = dict(self._errors(motion.samples, self.solve(self.scene, time)))
-        rows = self._switches(time)
+        true = self.rubbed(sampling).channels if self.scene.friction else self.solve(self.scene, time)
+        found = dict(self._errors(motion.samples, true))
+        rows = self._switches(time, true)
         for scene in self._sides() if rows.any() else ():
             at_rows = {channel: values[rows] for channel, values in motion.samples.items()}
             there = dict(self._errors(at_rows, self.solve(scene, time[rows])))
             better = sum(there.values()) < sum(error[rows] for error in found.values())
             for name, error in there.items():
                 found[name][rows] = np.where(better, error, found[name][rows])
+        for name in {name for name, _ in self._forces(true)} & found.keys() if self.scene.friction else ():
+            found[name][self.rubbed(sampling).unsure] = 0.0
         return found
 
     @cached_property
     def _cycle(self) -> Channels:
-        return by_core(self.scene, Sampling(SAMPLES).times(self.scene))
+        try:
+            return by_core(self.scene, Sampling(SAMPLES).times(self.scene))
+        except Failure:  # it jams somewhere
+            rubbed = self.rubbed(Sampling(FEW))
+            moves = np.array(rubbed.fates) != "jammed"
+            return {name: values[moves] for name, values in rubbed.channels.items()}
 
     @property
     def _presses(self) -> list[PressForce]:
@@ -80,11 +126,11 @@ class Truth:
             always = (Force(load.body, load.at, load.force) if isinstance(load, PressForce) else load for load in loads)
             yield replace(self.scene, loads=tuple(always))
 
-    def _switches(self, time: Samples) -> Rows:
+    def _switches(self, time: Samples, true: Channels) -> Rows:
         """Return at which instants rounding decides whether a press force acts."""
         switches = np.zeros(time.shape, np.bool_)
         for load in self._presses:
-            x, v, _ = self._displacement(load, self.solve(self.scene, time))
+            x, v, _ = self._displacement(load, true)
             way, speed, change = self._displacement(load, self._cycle)
             last = way.argmax()
             dead_point = 0 < last < SAMPLES  # near, and beyond this sample
@@ -128,7 +174,7 @@ class Truth:
         """Return what forces and moments are relative to; a guide's moment at least to its force times the travel."""
         peaks = {name: float(np.abs(force).max()) for name, force in self._forces(self._cycle)}
         for name in peaks:
-            if name.endswith("moment"):
+            if name.endswith("guide_moment"):
                 peaks[name] = max(peaks[name], self._reach(name) * peaks[name.replace("moment", "force")])
         largest = max(peaks.values()) or 1.0
         return {name: peak if peak > NOTHING * largest else largest for name, peak in peaks.items()}
@@ -138,7 +184,7 @@ class Truth:
         for name in (name for name, body in self.scene.bodies.items() if body.slide is not None):
             yield from ((of, motion[of] + 0j) for of in (f"{name}.guide_force", f"{name}.guide_moment"))
         effort = "drive.torque" if self.scene.driven_slide is None else "drive.force"
-        yield effort, motion[effort] + 0j
+        yield from ((of, motion[of] + 0j) for of in (effort, *friction_channels(self.scene)))
 
     def _errors(self, motion: Channels, true: Channels) -> Iterator[tuple[str, Samples]]:
         scene, (travel, w) = self.scene, self._drive
@@ -156,9 +202,8 @@ class Truth:
                 yield name, _mixed(motion[name] + 0j, true[name] + 0j, scale)
         if scene.has_masses:
             forces = [(*of, there) for of, (_, there) in zip(self._forces(motion), self._forces(true), strict=True)]
-            largest = np.max(
-                [np.abs(there) for name, _, there in forces if not name.endswith(("moment", "torque"))], axis=0
-            )
+            others = "moment", "torque", "power"
+            largest = np.max([np.abs(there) for name, _, there in forces if not name.endswith(others)], axis=0)
             for name, force, there in forces:
                 left = CANCELLED * self._arm(name) * largest / np.maximum(self._peaks[name], np.abs(there))
                 error = _mixed(force, there, self._peaks[name])
@@ -166,7 +211,7 @@ class Truth:
 
     def _arm(self, channel: str) -> float:
         """Return at which arm forces make a moment, m; one of a force."""
-        if channel.endswith("moment"):
+        if channel.endswith("guide_moment"):
             return self._reach(channel)
         return max(self._travels.values()) if channel == "drive.torque" else 1.0
 

@@ -6,9 +6,11 @@ import numpy as np
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples, quantity
+from scenes.scene import PinFriction
 
+from .friction import rate
 from .mechanics import Mechanics
-from .motion_vectors import Vectors
+from .motion_vectors import MotionVectors, Vectors
 
 FAR = 10.0  # sizes of a linkage off the origin, within which its places are rounded by little more than its lengths
 LEAST = 1e-2  # of the largest travel: what a point's own is taken for at least
@@ -32,6 +34,10 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
     for slider, points in mechanics.along_guides.items() if peaks else ():
         natural = max(travel[point] for point in points) * peaks[f"{slider}.guide_force"]
         peaks[f"{slider}.guide_moment"] = max(peaks[f"{slider}.guide_moment"], natural)  # often zero by symmetry
+    for one in mechanics.scene.friction:
+        arm = 1.0 if isinstance(one, PinFriction) else max(travel.values())
+        if np.abs(rate(MotionVectors(mechanics.scene, motion), one)).max() <= REST * arm * mechanics.rate:
+            peaks[one.channel(mechanics.scene)] = 0.0  # noise, of a joint that never moves
     return _kinematic(mechanics, travel) | force_scales(mechanics, motion, travel, peaks)
 
 

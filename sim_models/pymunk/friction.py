@@ -61,8 +61,8 @@ def _solved(
     linkage: LinkageConstraints, own: Sequence[Rubbing], q: PoseArray, of_drive: Samples, free: Samples
 ) -> Samples:
     """All forces, frictions and their power, shape (n, m + k + 1), by the m forces without the k frictions."""
-    J, d = linkage.jacobian(q), directions(linkage, q)
-    unit = np.asarray(np.linalg.solve(J.swapaxes(1, 2), d.reshape(*d.shape[:2], -1).swapaxes(1, 2)), np.float64)
+    J, d = linkage.jacobian(q), np.moveaxis(directions(linkage, q), 1, 0)
+    unit = np.stack([solved(J.swapaxes(1, 2), one.reshape(len(q), -1)).reshape(len(q), -1) for one in d], axis=2)
     rate = unit[:, -1] * of_drive[:, None]  # of the joint: what it does to the drive, by virtual work
     largest = _largest(linkage, q, solved(J, of_drive[:, None] * np.eye(J.shape[1])[-1]))
     sense: Samples = np.empty(rate.shape)

@@ -5,34 +5,33 @@ from pathlib import Path
 
 import pytest
 
-from compare.judge.measure import measure
-from compare.mechanics.reference import uncertified
 from scenes import Sampling, Scene
 from scenes.laws import LAWS
 from tests import scene_files
 from tests.clean_scenes import clean_scenes
-from tests.promises import PromiseRecord, record
+from tests.promises import PromiseRecord, judged_runs, record
 from tests.true_errors import Truth
 
 SAMPLING = Sampling(36)
-LEAST = {"exudyn": 8, "pymunk": 5}  # of 10 scenes, to be ok: refusing all would keep every promise
+LEAST = {"exudyn": 8, "pymunk": 5}  # of 10 scenes, to be ok or truly jammed: refusing all would keep every promise
 
 
 def _records(scenes: Iterable[Scene], sampling: Sampling = SAMPLING) -> list[PromiseRecord]:
-    return [
-        record(Truth(scene), measure(uncertified(scene), engine, sampling).run, sampling)
-        for scene in scenes
-        for engine in LEAST
-    ]
+    each = ((Truth(scene), judged_runs(scene, LEAST, sampling)) for scene in scenes)
+    return [record(truth, run, sampling) for truth, runs in each for run in runs]
 
 
-@pytest.mark.parametrize("elements", [False, True])
-def test_verdicts_keep_their_word(tmp_path: Path, *, elements: bool) -> None:
-    records = _records(clean_scenes(tmp_path, 10, elements=elements))
+@pytest.mark.parametrize(
+    ("count", "elements"), [(10, False), (6, True), pytest.param(60, True, marks=pytest.mark.slow)]
+)
+def test_verdicts_keep_their_word(tmp_path: Path, count: int, *, elements: bool) -> None:
+    """With elements nearly all have friction, which jams some."""
+    records = _records(clean_scenes(tmp_path, count, elements=elements))
     assert not [of for of in records if of.broken]
     assert not [of for of in records if of.false_alarm]
     for engine, least in LEAST.items():
-        assert sum(of.status == "ok" for of in records if of.engine == engine) >= least
+        right = [of.status in ("ok", *of.fate.split()) for of in records if of.engine == engine]
+        assert sum(right) >= least * count / 10
 
 
 @pytest.mark.parametrize("periodic", [False, True])
