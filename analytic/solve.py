@@ -131,7 +131,7 @@ class Solver:
         rows = {names: np.empty(len(position), kinds[len(names) - 1]) for names in self.channels}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
 
-            def at(rows: slice) -> tuple[Given, Kinematics]:
+            def at(rows: Any) -> tuple[Given, Kinematics]:
                 own = Driven(*(x[rows] if x.ndim else x for x in driven))
                 return self.given_at(position[rows], time[rows]), motion_at(scene, linkage, own)
 

@@ -36,10 +36,11 @@ class Rubbing:
     of: Friction
     sense: Any
     viscous: Any  # what resists whatever the load, N m or N
+    share: Any = 1.0  # of the coefficient
 
     def slope(self, factor: Any = 1.0) -> Any:
         """The friction by the load, with a factor on the coefficient: s c of (1)."""
-        mu = factor * self.of.coefficient
+        mu = factor * self.share * self.of.coefficient
         return self.sense * (self.of.radius * mu / np.sqrt(1 + mu * mu) if isinstance(self.of, PinFriction) else mu)
 
     def size(self, X: Any) -> Any:

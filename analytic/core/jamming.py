@@ -4,7 +4,6 @@ The continuation follows the solution of (1) of `friction` from that without fri
 its Jacobian keeps its sign; it ends where the forces grow without bound, or two solutions meet. There it is jammed.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +19,6 @@ SEARCH = 40  # from anywhere
 STARTS = (1e-2, 1.0, 1e2, 1e4)  # times the loads without friction: where other solutions are looked for
 APART = 1e-6  # of each other, relative: two solutions
 FASTER = 0.5  # by which each step of Newton's method is shorter than the one before, near to a solution
-FACTOR, CUT = 1e-8, 1e-5  # how closely shares of all coefficients, and of one alone, are found
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,8 @@ class Rows(Loads):
 
     def picked(self, rows: Any) -> "Rows":
         """Some of the samples."""
-        rubbing = [replace(one, sense=one.sense[rows], viscous=one.viscous[rows]) for one in self.rubbing]
+        own = ("sense", "viscous", "share")
+        rubbing = [replace(one, **{name: getattr(one, name)[rows] for name in own}) for one in self.rubbing]
         return Rows(rubbing, [x[rows] for x in self.X0], [[s[rows] for s in row] for row in self.S])
 
     def stepped(self, w: Samples, factor: Any, steps: int, *, anywhere: bool = False) -> tuple[Samples, Any, Any]:
@@ -78,12 +77,3 @@ class Rows(Loads):
                 found, good, _ = self.stepped(from_there, 1.0, SEARCH, anywhere=True)
                 another |= good & (np.abs(found - w).max(axis=-1) > APART * np.abs(w).max(axis=-1))
         return another & unproven
-
-
-def largest(passes: Callable[[float], bool], within: float, low: float = 0.0) -> float:
-    """The largest share that passes, from one on that does, by halving."""
-    high = 1.0
-    while high - low > within:
-        middle = (low + high) / 2
-        low, high = (middle, high) if passes(middle) else (low, middle)
-    return low

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from copy import copy
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial, reduce
+from dataclasses import dataclass, field
+from functools import cached_property, reduce
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -20,11 +20,13 @@ from .elements import ActingForce, Given
 from .friction import Loads, Rubbing
 from .geometry import as_complex
 from .groups.group_equations import Group
-from .jamming import CUT, FACTOR, Rows, largest
+from .jamming import Rows
 from .kinetostatics import Balance, Reactions
 from .numbers import samples
 from .placing import Kinematics
 
+PARTS = 50  # of what is left of a range of shares, whose ends are tried at once
+CLOSE = 1e-8  # of a coefficient, how closely its share is found
 Unit: TypeAlias = Mapping[str, list[ActingForce]]  # what one unit of a friction does, by body
 
 
@@ -32,6 +34,7 @@ Unit: TypeAlias = Mapping[str, list[ActingForce]]  # what one unit of a friction
 class FrictionBalance(Balance):
     """One pass from the last group to the driver, each with the friction of its joints."""
 
+    shares: Mapping[str, Samples] = field(default_factory=dict)  # of coefficients, by channel; all of them by default
     stuck: dict[Status, Any] = field(default_factory=dict)  # where it is jammed or undetermined, shape (n,)
 
     def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
@@ -115,7 +118,8 @@ class FrictionBalance(Balance):
     def rubbing(self, one: Friction) -> Rubbing:
         """A friction as it acts at the samples."""
         rate, largest = self.motion(one)
-        return Rubbing(one, samples(one.sense(rate, largest)), samples((one.viscous or 0.0) * rate))
+        share = self.shares.get(one.channel(self.scene), 1.0)
+        return Rubbing(one, samples(one.sense(rate, largest)), samples((one.viscous or 0.0) * rate), share)
 
     def unit(self, one: Friction) -> Unit:
         """What a unit of friction does: on the later body of a pin, or on the slider; its reaction on the other."""
@@ -160,7 +164,7 @@ class FrictionBalance(Balance):
         def whole(values: Any) -> Any:
             return np.broadcast_to(values, position.shape)
 
-        every = [Rubbing(one.of, whole(one.sense), whole(one.viscous)) for one in loads.rubbing]
+        every = [Rubbing(one.of, *map(whole, (one.sense, one.viscous, one.share))) for one in loads.rubbing]
         rows = Rows(every, [*map(whole, loads.X0)], [[*map(whole, row)] for row in loads.S]).picked(hard)
         with np.errstate(all="ignore"):
             found, held = rows.continued()
@@ -174,39 +178,47 @@ class FrictionBalance(Balance):
             one[hard] = column
         return w
 
-    def check(
-        self, wanted: AbstractSet[str] | None, first: int, at: Callable[[slice], tuple[Given, Kinematics]]
-    ) -> None:
+    def check(self, wanted: AbstractSet[str] | None, first: int, at: Callable[[Any], tuple[Given, Kinematics]]) -> None:
         """Raise Failure, `jammed` or else `undetermined`, at the first position where no friction, or several, fit.
 
-        These positions begin with number `first` of those of `at`.
+        These positions begin with number `first` of those of `at`, which takes several.
         """
-        for status in (one for one in (Status.jammed, Status.undetermined) if one in self.stuck):
-            row = int(self.stuck[status].argmax())
-            where = self.scene.where(float(self.given["position"][row]))
-            if status is Status.undetermined:
-                raise Failure(status, f"friction leaves several sets of forces at {where}")
-            passing = self.passing(wanted, *at(slice(first + row, first + row + 1)))
-            raise Failure(status, f"friction jams it at {where}: it passes with {passing}")
+        status = next((one for one in (Status.jammed, Status.undetermined) if one in self.stuck), None)
+        if status is None:
+            return
+        row = int(self.stuck[status].argmax())
+        where = self.scene.where(float(self.given["position"][row]))
+        if status is Status.undetermined:
+            raise Failure(status, f"friction leaves several sets of forces at {where}")
 
-    def passing(self, wanted: AbstractSet[str] | None, given: Given, k: Kinematics) -> str:
-        """With how much of all coefficients it passes at a position, and which joint's coefficient alone frees it."""
-        frictions = self.scene.friction
+        def jam() -> str:
+            passing = self.passing(wanted, lambda count: at(np.full(count, first + row)))
+            return f"friction jams it at {where}: it passes with {passing}"
 
-        def passes(those: Samples, share: float) -> bool:
-            shares = 1 - (1 - share) * those
-            less = [replace(one, coefficient=s * one.coefficient) for one, s in zip(frictions, shares, strict=True)]
-            balance = FrictionBalance(replace(self.scene, friction=tuple(less)), self.linkage, given, k)
+        raise Failure(status, jam)
+
+    @np.errstate(all="ignore")
+    def passing(self, wanted: AbstractSet[str] | None, at: Callable[[int], tuple[Given, Kinematics]]) -> str:
+        """With how much of all coefficients it passes at a position, and which joint's coefficient alone frees it.
+
+        `at` has the position so many times: each with a share of its own of some coefficients.
+        """
+        scene = self.scene
+        channels, K = [one.channel(scene) for one in scene.friction], len(scene.friction)
+        cut = np.concatenate([np.ones((1, K)), np.eye(K)])  # all of them, or one
+        low, high, parts = np.zeros(K + 1), np.ones(K + 1), np.linspace(0, 1, PARTS + 1)
+        while (high - low).max() > CLOSE:
+            trial = low[:, np.newaxis] + np.outer(high - low, parts)
+            shares = 1 - (1 - trial[..., np.newaxis]) * cut[:, np.newaxis]
+            by_channel = dict(zip(channels, shares.reshape(-1, K).T, strict=True))
+            balance = FrictionBalance(scene, self.linkage, *at(trial.size), shares=by_channel)
             balance.solve(wanted)
-            return Status.jammed not in balance.stuck
-
-        all_of_them = f"{largest(partial(passes, np.ones(len(frictions))), FACTOR):.6g} of all coefficients"
-        share, freed = 0.0, None
-        for one, own in zip(frictions, np.eye(len(frictions)), strict=True):
-            if passes(own, share):
-                share, freed = largest(partial(passes, own), CUT, share), one
-        if freed is None:
+            jams = balance.stuck.get(Status.jammed, np.zeros(trial.size, np.bool_)).reshape(trial.shape)
+            beyond = np.maximum(jams.argmax(axis=1), 1)
+            low, high = (trial[range(K + 1), number] for number in (beyond - 1, beyond))
+        all_of_them = f"{low[0]:.6g} of all coefficients"
+        if not low[1:].any():
             return all_of_them
-        joint = freed.channel(self.scene).rpartition(".")[0]
-        least = f"{share * freed.coefficient:.4g} instead of {freed.coefficient:.4g}"
-        return f"{all_of_them}, or with {least} at {joint} alone"
+        one = scene.friction[(number := int(low[1:].argmax()))]
+        joint, least = channels[number].rpartition(".")[0], f"{low[1 + number] * one.coefficient:.4g}"
+        return f"{all_of_them}, or with {least} instead of {one.coefficient:.4g} at {joint} alone"

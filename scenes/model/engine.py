@@ -12,6 +12,7 @@ Any stage may raise `Failure`. A module needs `DEFAULT` and `build` alone, a sim
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum
+from functools import cached_property
 from time import perf_counter, process_time
 from types import SimpleNamespace
 from typing import Annotated, Any, Protocol, TypeVar, cast
@@ -40,12 +41,20 @@ class Status(Enum):
 
 
 class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
-    """A run that ended with a status other than ok, and the particular reason in one sentence."""
+    """A run that ended with a status other than ok, and why in one sentence, which is found when it is asked for."""
 
-    def __init__(self, status: Status, reason: str, motion: Motion | None = None) -> None:
-        super().__init__(reason)
-        self.status, self.reason = status, reason
+    def __init__(self, status: Status, reason: str | Callable[[], str], motion: Motion | None = None) -> None:
+        super().__init__()
+        self.status, self._reason = status, reason
         self.motion = motion  # computed all the same, and not to be trusted, for those who ask how far off it is
+
+    @cached_property
+    def reason(self) -> str:
+        """The sentence."""
+        return self._reason if isinstance(self._reason, str) else self._reason()
+
+    def __str__(self) -> str:
+        return self.reason
 
 
 @dataclass(frozen=True)
