@@ -4,6 +4,7 @@ A driven crank has an angle, rad, a driven slider the displacement of its first 
 `position` below is the one or the other.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
@@ -16,7 +17,7 @@ from pydantic import Field, Strict
 from . import limits
 from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
-from .laws import LAWS
+from .laws import LAWS, Piece
 from .laws import Driven as Driven
 from .laws import HarmonicLaw as HarmonicLaw
 from .laws import Samples as Samples
@@ -130,6 +131,12 @@ class MotionLaw:
         time = np.asarray(time, np.float64)
         spline, trend = self._spline, self._trend
         return Driven(spline(time) + trend * time, spline(time, 1) + trend, spline(time, 2))
+
+    @property
+    def pieces(self) -> Sequence[Piece]:
+        """The cubics of a cycle, in the order of the time."""
+        trend, cubics = self._trend, zip(self.times, self._spline.c.T, strict=False)  # the last row begins none
+        return [Piece(begin, (c[3] + trend * begin, c[2] + trend, c[1], c[0])) for begin, c in cubics]
 
     @property
     def _trend(self) -> float:

@@ -188,10 +188,15 @@ class HarmonicLaw:
         """How long one cycle takes, s."""
         return self.multiples[0] / self.frequencies[0]
 
-    def through(self, _cycles: int) -> Sequence[Piece]:
-        """The one piece of so many cycles."""
+    @property
+    def pieces(self) -> Sequence[Piece]:
+        """The one piece of any time."""
         sines = zip(self.amplitudes, (2 * pi * f for f in self.frequencies), self.phases, strict=True)
         return [Piece(0.0, (self.middle,), [*sines], within=1 / max(self.frequencies))]
+
+    def through(self, _cycles: int) -> Sequence[Piece]:
+        """The one piece of so many cycles."""
+        return self.pieces
 
     @property
     def start(self) -> float:
@@ -223,4 +228,4 @@ class HarmonicLaw:
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s."""
-        return self.through(1)[0].at(time)
+        return self.pieces[0].at(time)

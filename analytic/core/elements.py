@@ -62,6 +62,11 @@ class Loading:
             along, through = u * along, k.z[foot] + u * (through - self.linkage.bodies[slide.on].local[foot])
         return along, dot(along, k.z[self.scene.bodies[body].points[0]] - through)
 
+    def acting(self, load: PressForce, place: str) -> Any:
+        """Where a press force acts, which has a place in the file."""
+        s, ds, _ = self.k.displaced(self.scene, self.scene.bodies[load.body].points[0])
+        return load.acts(s, ds, self.given[place])
+
     def size(self, load: TableForce | GuideForce | Moment, constant: Number = None) -> Number:
         """The number of a load, N or N m, or that of its table."""
         if load.table is None:
@@ -86,9 +91,7 @@ def _force(load: Force | TableForce, _: str, at: Loading) -> Acting:
 
 @acts.register
 def _press_force(load: PressForce, place: str, at: Loading) -> Acting:
-    s, ds, _ = at.k.displaced(at.scene, at.scene.bodies[load.body].points[0])
-    acting = load.acts(s, ds, at.given[place])
-    yield load.body, ActingForce(np.where(acting, as_complex(load.force), 0), at.k.z[load.at])
+    yield load.body, ActingForce(np.where(at.acting(load, place), as_complex(load.force), 0), at.k.z[load.at])
 
 
 @acts.register

@@ -52,7 +52,7 @@ class Rubbing:
         if isinstance(self.of, PinFriction):
             return X / (size + TINY)
         along, across = (chosen(part < 0, -1.0, 1.0) for part in (X.real, X.imag))
-        return chosen(np.abs(X.real) < size, 1j * across, along)
+        return chosen(np.abs(X.real) < np.abs(X.imag), 1j * across, along)
 
 
 @dataclass(frozen=True)
@@ -86,6 +86,11 @@ class Loads:
             for one, row in zip(self.rubbing, self.S, strict=True)
         ]
 
+    @property
+    def contraction(self) -> Any:
+        """A bound on that of the map from loads to loads, no less than the spectral radius."""
+        return reduce(np.maximum, (reduce(add, row) for row in self.gains))
+
     def solved(self) -> tuple[list[Any], Any]:
         """Return w of (1) by a few steps, and a number that is below one where they are near to its one solution."""
         slopes = [one.slope() for one in self.rubbing]
@@ -99,7 +104,7 @@ class Loads:
             J = [*rows] if step < STEPS - 1 else J  # at last as before: it differs by that step's square
             dw = eliminated(J, F)
             w = [x - dx for x, dx in zip(w, dw, strict=True)]
-        bound: Any = reduce(np.maximum, (reduce(add, row) for row in self.gains))  # no less than the spectral radius
+        bound = self.contraction
         for x, dx in zip(w, dw, strict=True):
             bound = chosen(np.abs(dx) <= CLOSE * np.abs(x), bound, np.inf)
         return w, bound

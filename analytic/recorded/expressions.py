@@ -6,7 +6,7 @@ An arithmetic is one file in `arithmetics`: how operations are spelled, and what
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, floor, sin, sqrt, tanh
+from math import atan2, cos, floor, inf, sin, sqrt, tanh
 from operator import add, mul, neg, sub, truediv
 from typing import Any, TypeAlias
 
@@ -33,6 +33,7 @@ OPERATIONS: Mapping[str, Callable[..., float]] = {
     "less": lambda a, b: float(a < b),
     "less_equal": lambda a, b: float(a <= b),
     "where": lambda condition, yes, no: yes if condition else no,
+    "within": lambda value, _: value,
 }
 SIGNS: Mapping[str, str] = {  # spelled alike wherever there are signs; the others are functions
     "add": "({} + {})",
@@ -63,8 +64,9 @@ class Expression:
 class Recorder:
     """Makes expressions, each only once, in their simplest form."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, proven: bool = False) -> None:
         self.made: dict[tuple[Any, ...], Expression] = {}
+        self.proven = proven  # whether it is for an arithmetic of bounds, which alone has `within`
 
     def closed(self, closing: "Closing", of: Sequence[Expression]) -> Expression:
         """The coordinates at which a larger group closes, found by Newton's method, NaN where it does not.
@@ -101,6 +103,8 @@ class Recorder:
             return self.constant(OPERATIONS[operation](*known))
         match operation, known:
             case ("add", [0.0, _]) | ("multiply", [1.0, _]):
+                return of[1]
+            case "minimum", [float(least), _] if least == inf:
                 return of[1]
             case (("add" | "subtract"), [_, 0.0]) | (("multiply" | "divide"), [_, 1.0]):
                 return of[0]

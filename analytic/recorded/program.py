@@ -7,20 +7,20 @@ function theorem.
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import GROUND, ConstantSpeed, PressForce
+from scenes.scene import GROUND, ConstantSpeed, Friction, PressForce
 
 from ..channels import all_channels, asked
 from ..core.decomposition import Linkage, decompose
 from ..core.elements import wound
-from ..core.friction import Loads
+from ..core.friction import Loads, Rubbing
 from ..core.geometry import as_complex
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, size_of
@@ -46,6 +46,7 @@ class Program:
     channels: Mapping[str, Expression]
     strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
     reach: Expression  # negative where a group does not reach, or its branch is open
+    choices: Mapping[str, Expression]  # by input: what whole number it is, where bounds are asked for
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
 
     @cached_property
@@ -60,9 +61,14 @@ class Program:
         return (*known, *(name for name in (*self.channels, *self.own) if name not in known))
 
 
-def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None) -> Program:
-    """Record the core's own formulas of some channels, in which the numbers at `paths` stay open."""
-    make = Recorder()
+def recorded(
+    scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None, *, proven: bool = False
+) -> Program:
+    """Record the core's own formulas of some channels, in which the numbers at `paths` stay open.
+
+    Where it is to be `proven` what they are, the frictions are recorded with what a few steps may leave of them.
+    """
+    make = Recorder(proven=proven)
     numbers = {path: Traced(make, make.input(path, sampled=False)) for path in scene.numbers if path in paths}
     opened = scene.with_numbers(numbers)
     every = decompose(opened)
@@ -75,6 +81,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     k = way.solve().k
     on = Reactions()
     strokes: dict[str, tuple[Expression, Expression]] = {}
+    choices: dict[str, Expression] = {}
     if request.wants_forces(scene):
         for place, load in scene.elements:
             if isinstance(load, PressForce):
@@ -82,7 +89,8 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
                 strokes[place] = s, ds
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
-        on = RecordedBalance(opened, linkage, given, k).solve(channels)
+        balance = RecordedBalance(opened, linkage, given, k)
+        on, choices = balance.solve(channels), balance.choices
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):
@@ -99,7 +107,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
             least = np.minimum(least, chosen(branch * branch > 0, 1.0, -1.0))
     left = frozenset(own if channels is None else own & channels)
     by_path = {path: number.x for path, number in numbers.items()}
-    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, left)
+    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, choices, left)
 
 
 def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:
@@ -204,14 +212,56 @@ class RecordedPass(Pass):
         return [d.get(one.order, self.make.constant(0.0)) for one in of]
 
 
+@dataclass(frozen=True)
 class RecordedBalance(FrictionBalance):
     """Balances everything as expressions."""
+
+    choices: dict[str, Expression] = field(default_factory=dict)  # by input, what it is
 
     def settled(self, loads: Loads) -> Sequence[Any]:
         """The frictions; the reach is negative where more than a few steps would be needed."""
         w, bound = loads.solved()
+        make: Recorder = bound.make
+        if make.proven:
+            bound = loads.contraction
+            w = self.bounded(loads, w)
         self.k.reach[f"friction {len(self.k.reach)}"] = chosen(bound < 1, 1.0, -1.0)
         return w
+
+    def bounded(self, loads: Loads, w: Sequence[Any]) -> list[Any]:
+        """The frictions with what a few steps may leave of them.
+
+        The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
+        contraction of that difference.
+        """
+        slopes = [one.slope() for one in loads.rubbing]
+        left = [np.abs(one) for one in loads.open(w, slopes)[0]]
+        sizes = ([one.size(s) for s in row] for one, row in zip(loads.rubbing, loads.S, strict=True))
+        largest = reduce(np.maximum, (reduce(np.add, map(np.multiply, row, left)) for row in sizes))
+        off = largest / (1.0 - loads.contraction)
+        every = zip(w, left, slopes, strict=True)
+        return [Traced(x.make, x.make("within", x.x, (own + np.abs(slope) * off).x)) for x, own, slope in every]
+
+    def rubbing(self, one: Friction) -> Rubbing:
+        """A friction as it acts."""
+        rubbing = super().rubbing(one)
+        return (
+            rubbing
+            if one.smooth is not None
+            else replace(rubbing, sense=self.choice(one.channel(self.scene), rubbing.sense))
+        )
+
+    def acting(self, load: PressForce, place: str) -> Any:
+        """Whether a press force acts."""
+        return self.choice(f"{place} acts", super().acting(load, place))
+
+    def choice(self, name: str, value: Any) -> Any:
+        """A whole number, which is an input where bounds are asked for: they are found for one of them at a time."""
+        make: Recorder = value.make
+        if not make.proven:
+            return value
+        self.choices[name] = value.x
+        return Traced(make, make.input(name, sampled=True))
 
     def larger(self, group: Group) -> None:
         """Balance a larger group: the multipliers of its constraints, from the transpose of their Jacobian."""
@@ -228,3 +278,13 @@ class RecordedBalance(FrictionBalance):
         pins = [Traced(make, x, y) for x, y in zip(forces[:p], forces[p : 2 * p], strict=True)]
         guides = [Traced(make, x) for x in forces[2 * p :]]
         self.spread(group, pins, guides[:s], guides[s : 2 * s], guides[2 * s :])  # type: ignore[arg-type]
+
+
+def _within(value: Any, off: Any) -> Traced:
+    """A real value that is known to an error."""
+    return Traced(value.make, value.make("within", value.x, off.x))
+
+
+def _known(value: Any, otherwise: Any) -> Traced:
+    """A real value, or another where no bounds of it are known."""
+    return Traced(value.make, value.make("known", value.x, otherwise.x))

@@ -23,6 +23,13 @@ Of the analytic core alone, since the other engines know no Assur groups, by the
 | `P.transmission` | from 0 in a singular configuration to a right angle: of two bars, or a bar and a guide's normal |
 | `P.to_lock` | by how much the nearest length, or guide's offset, would have to be off for the group to be singular |
 
+Between the samples enclosures are known of channels, and of magnitudes:
+
+| magnitude | meaning |
+|---|---|
+| `P.speed`, `P.acceleration`, `P.force` | how large the velocity, the acceleration, the force at a pin is |
+| `transmission` | the least transmission angle of all dyads |
+
 The drive stays where it is, and all other lengths as they are; lengths are those of links between their two pins. Of a
 dyad it is exact, of a larger group to 1e-5 of itself, near to a singular configuration and far from it alike. A guide
 that crosses another would have to be turned: `to_lock` is the sine of their angle times the linkage's longest
@@ -54,7 +61,7 @@ UNITS: Mapping[str, str] = {
     **dict.fromkeys(("fx", "fy", "guide_force", "force", "friction_force"), "N"),
     **dict.fromkeys(("guide_moment", "torque", "friction_moment"), "N*m"),
     **{"time": "s", "vx": "m/s", "vy": "m/s", "ax": "m/s^2", "ay": "m/s^2", "omega": "rad/s", "alpha": "rad/s^2"},
-    "power": "W",
+    **{"power": "W", "speed": "m/s", "acceleration": "m/s^2"},
 }
 
 
@@ -95,6 +102,13 @@ def friction_channels(scene: Scene) -> tuple[str, ...]:
 def channels(scene: Scene) -> tuple[str, ...]:
     """The names of all channels of a scene, in the order of the files."""
     return kinematic_channels(scene) + force_channels(scene) + friction_channels(scene)
+
+
+def magnitudes(scene: Scene) -> Mapping[str, tuple[str, str]]:
+    """The names of a scene's magnitudes, with the two channels that each is the length of; not the least angle."""
+    joints = [pin.channel for pin in scene.pins] if scene.has_masses else []
+    of = {"speed": ("v", scene.moving_points), "acceleration": ("a", scene.moving_points), "force": ("f", joints)}
+    return {f"{at}.{name}": (f"{at}.{q}x", f"{at}.{q}y") for name, (q, places) in of.items() for at in places}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,217 @@
+"""A scene's recorded formulas over boxes of the drive's range: what goes into the line, and what comes out of it.
+
+At a constant speed boxes divide the drive's positions, under a motion law the instants of its pieces, so that what a
+rate or an acceleration leaps over where two pieces meet lies on the edge of a box, and both its limits in one.
+"""
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from functools import partial, reduce
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.arguments import known_names
+from scenes.drive import ConstantSpeed, Driven
+from scenes.laws import Piece
+from scenes.model.motion import UNITS, Samples, magnitudes, quantity
+from scenes.scene import PressForce
+
+from ..channels import all_channels
+from ..core.decomposition import decompose
+from ..core.groups.group_equations import Group
+from ..recorded.arithmetics.box_equations import picked, stacked
+from ..recorded.arithmetics.box_line import BoxLine
+from ..recorded.arithmetics.taylor_models import TaylorModel, cos, parabola_most, point, sin
+from ..recorded.expressions import Expression
+from ..recorded.program import inputs_at, inputs_of, recorded
+from ..solve import prepared
+
+LAST_PLACE = 2.0**-52  # of a number of the file, which was rounded when it was read and when it became SI
+LAW = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and of a spline's equations
+STROKE, PARTS, STROKE_LEVELS = 512, 64, 3  # boxes of a cycle, parts of a box, levels: how a stroke's end is found
+AROUND = 0.5  # rad: what the angle of a spring that twists, roughly known, is off by at most
+WAYS = 27  # in which three joints may move or rest; more are too many
+TRANSMISSION = "transmission"
+
+Numbers: TypeAlias = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Ways:
+    """The edges between which boxes lie: positions of the drive, rad or m, or instants, s, under a motion law."""
+
+    scene: Scene
+    edges: Samples  # of pieces, within which all is smooth but for what depends on the bodies
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Ways":
+        """Those of a cycle."""
+        if isinstance(scene.drive, ConstantSpeed):
+            return cls(scene, np.array(scene.drive.extent))
+        return cls(scene, np.array([*(piece.begin for piece in scene.drive.pieces), scene.drive.cycle]))
+
+    def divided(self, count: int) -> tuple[Samples, Samples]:
+        """At least so many boxes, none over two pieces: their ends, shape (n,)."""
+        parts = np.ceil(count * np.diff(self.edges) / np.ptp(self.edges)).astype(int)
+        ends = [np.linspace(a, b, n + 1) for a, b, n in zip(self.edges[:-1], self.edges[1:], parts, strict=True)]
+        return np.concatenate([own[:-1] for own in ends]), np.concatenate([own[1:] for own in ends])
+
+
+class Boxes:
+    """The channels and magnitudes of a scene over boxes, and the conditions under which they are so, for many calls."""
+
+    def __init__(self, scene: Scene, names: AbstractSet[str] | None, off: Mapping[str, float]) -> None:
+        """Prepare it.
+
+        Args:
+            scene: the mechanism.
+            names: which channels and magnitudes; None for all.
+            off: by how much numbers of the scene may be off, SI, by path in the file.
+        """
+        self.scene, self.ways, self.like = scene, Ways.of(scene), 3 + len(off)
+        whole = decompose(scene)
+        angles = [f"{group.P}.{TRANSMISSION}" for group in whole.groups if not isinstance(group, Group)]
+        lengths, channels = magnitudes(scene), None
+        if names is not None:
+            every = {*lengths, TRANSMISSION, *(name for own, _ in all_channels(scene, whole.groups) for name in own)}
+            known_names("names", names, every)
+            parts = {name: lengths.get(name, angles if name == TRANSMISSION else [name]) for name in names}
+            channels = frozenset(part for own in parts.values() for part in own)
+        self.core = prepared(scene, whole, channels)
+        self.program = recorded(scene, scene.numbers.keys(), channels, proven=True)
+        make, rows = self.program.make, dict(self.program.channels)
+        for name, (x, y) in lengths.items():
+            if x in rows and y in rows:
+                rows[name] = make(
+                    "sqrt", make("add", make("multiply", rows[x], rows[x]), make("multiply", rows[y], rows[y]))
+                )
+        if angles and rows.keys() >= {*angles}:
+            rows[TRANSMISSION] = reduce(partial(make, "minimum"), [rows[angle] for angle in angles])
+        self.names = [name for name in rows if names is None or name in names]
+        self.kinds: Numbers = np.unique([UNITS[quantity(name)] for name in self.names], return_inverse=True)[1]
+        self.numbers: dict[str, TaylorModel] = {}
+        for path, number in scene.numbers.items():
+            known = self.numbers[path] = point(number.value, self.like, LAST_PLACE * abs(number.value))
+            if path in off:
+                known.c[3 + [*off].index(path)] = off[path]
+        for group, track in self.core.linkage.tracks.items():
+            self.numbers[inputs_of(group)[2]] = point(track.branch, self.like)
+        for place, load in scene.elements:
+            if isinstance(load, PressForce) and place in self.program.strokes:
+                self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
+        wanted = [rows[name] for name in self.names] + conditions(self.program.reach)
+        self._line = BoxLine(wanted, self.like, self.numbers)
+        self._choices = BoxLine([*self.program.choices.values()], self.like, self.numbers)
+
+    def __call__(self, low: Samples, high: Samples) -> tuple[TaylorModel, Numbers]:
+        """The models of what is named and of the conditions, shape (rows, n), over boxes by their ends, shape (m,).
+
+        With them which box each is of, shape (n,): one in which a press force may come or go, or a joint with friction
+        may turn back, is there several times, once for each way.
+        """
+        given, own = self.given(low, high), np.arange(len(low))
+        if self.program.choices:
+            made, own = _chosen(self._over(self._choices, given))
+            given = {name: picked(one, own) for name, one in given.items()}
+            given |= {name: picked(made, row) for row, name in enumerate(self.program.choices)}
+        return self._over(self._line, given), own
+
+    def _over(self, line: BoxLine, given: Mapping[str, TaylorModel]) -> TaylorModel:
+        """The models of a line's rows; all are of all boxes."""
+        boxes = point(np.zeros(len(given["position"].rest)), self.like)
+        models = stacked([*line(given), boxes])
+        return TaylorModel(models.c[:, :-1], models.rest[:-1])
+
+    def _stroke_end(self, displacement: Expression, closing: int) -> TaylorModel:
+        """How far a cycle takes a slider in its closing direction, m: the most of boxes that may be the furthest."""
+        line = BoxLine([displacement], self.like, self.numbers)
+        low, high = self.ways.divided(STROKE)
+        for _ in range(STROKE_LEVELS):
+            models = self._over(line, self.given(low, high))
+            c, rest = closing * models.c[:, 0], models.rest[0]
+            top, off = parabola_most(c), rest + LAST_PLACE * np.abs(c).sum(axis=0)
+            known = np.where(np.isnan(off), -np.inf, top - off)
+            best = int(known.argmax())
+            beside = np.abs(c[3:] - c[3:, [best]]).sum(axis=0)
+            near = ~(top + off + beside < known[best])
+            most = np.max((top + off + beside)[near])
+            cut = low[near] + (high - low)[near] * (np.arange(PARTS + 1)[:, np.newaxis] / PARTS)
+            low, high = cut[:-1].ravel(), cut[1:].ravel()
+        end = point((known[best] + most) / 2, self.like, (most - known[best]) * (0.5 + LAST_PLACE) + LAST_PLACE)
+        end.c[3:] = c[3:, [best]]
+        return TaylorModel(closing * end.c, end.rest)
+
+    def given(self, low: Samples, high: Samples) -> dict[str, TaylorModel]:
+        """The inputs of the line over boxes."""
+        middle = (low + high) / 2
+        way = point(middle, self.like)
+        way.c[1] = np.maximum(high - middle, middle - low)
+        drive, given = self.scene.drive, dict[str, TaylorModel]()
+        if isinstance(drive, ConstantSpeed):
+            turned = way - self.numbers["drive.start"]
+            given = {"position": way, "time": turned / self.numbers["drive.speed"]}
+            at = Driven(middle, np.ones(()), np.zeros(()))
+        else:
+            given = {**dict(zip(Driven._fields, driven(drive.pieces, way, middle), strict=True)), "time": way}
+            at = drive.at(middle)
+        guesses = inputs_at(at, [self.core.linkage.tracks])
+        given |= {
+            name: point(np.ravel(values), self.like) for name, values in guesses.items() if name not in Driven._fields
+        }
+        for name, winding in self.core.windings.items():
+            given[name] = point(winding(at.position), self.like, AROUND)
+        return given
+
+
+def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
+    """Each of the whole numbers that some may be, shape (rows, n), where they are not too many, and of which box."""
+    least, most = np.ceil(numbers.range[0]), np.floor(numbers.range[1])
+    ways = np.where(np.isnan(most), 1, most - least + 1).astype(int)
+    ways[:, ways.prod(axis=0) > WAYS] = 1
+    own, values = np.arange(least.shape[1]), np.where(most == least, least, np.nan)
+    for row, several in enumerate(ways):
+        copies = several[own]
+        first = np.repeat(np.cumsum(copies) - copies, copies)
+        own, values = np.repeat(own, copies), np.repeat(values, copies, axis=1)
+        of_several = ways[row, own] > 1
+        values[row, of_several] = (least[row, own] + np.arange(len(own)) - first)[of_several]
+    known = ~np.isnan(values)
+    c = np.where(known, 0.0, numbers.c[:, :, own])
+    c[0] = np.where(known, values, c[0])
+    return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, own])), own
+
+
+def conditions(reach: Expression) -> list[Expression]:
+    """What has to be positive for the least of it to be."""
+    return [one for of in reach.of for one in conditions(of)] if reach.operation == "minimum" else [reach]
+
+
+def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> list[TaylorModel]:
+    """The position, rate and acceleration that a law asks for over boxes of instants, each within one of its pieces."""
+    own = np.searchsorted([piece.begin for piece in pieces], middle, side="right") - 1
+    like = len(way.c)
+
+    def each(values: Sequence[float]) -> TaylorModel:
+        return point(np.array(values)[own], like)
+
+    t = way - each([piece.begin for piece in pieces]) - each([piece.lag for piece in pieces])
+    position = rate = acceleration = point(np.zeros(len(middle)), like)
+    terms = np.zeros((3, len(middle)))  # the sums of their sizes, of which the law's own numbers are off by a share
+    for k in reversed(range(max(len(piece.polynomial) for piece in pieces))):
+        c = each([piece.polynomial[k] if k < len(piece.polynomial) else 0.0 for piece in pieces])
+        position, rate, acceleration = position * t + c, rate * t + position, acceleration * t + rate + rate
+        terms = terms * t.most + np.stack([c.most, terms[0], 2 * terms[1]])
+    for k in range(max(len(piece.sines) for piece in pieces)):
+        sines = [piece.sines[k] if k < len(piece.sines) else (0.0, 0.0, 0.0) for piece in pieces]
+        size, omega, phase = (each(values) for values in zip(*sines, strict=True))
+        y, dy = size * sin(omega * t + phase), size * omega * cos(omega * t + phase)
+        position, rate, acceleration = position + y, rate + dy, acceleration - omega * omega * y
+        terms += size.most * omega.most ** np.arange(3)[:, np.newaxis] * (1 + omega.most * t.most)
+    return [
+        one + point(np.zeros(len(middle)), like, LAW * off)
+        for one, off in zip((position, rate, acceleration), terms, strict=True)
+    ]

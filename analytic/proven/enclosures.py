@@ -1,0 +1,85 @@
+"""What is proven of a scene over its whole range: that it assembles, and bounds of every channel's extremes."""
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Scene
+from scenes.arguments import finite_numbers, known_names, scene_of
+from scenes.model.motion import Samples
+
+from .boxes import Boxes
+from .extremes import Span, extremes
+
+FIRST = 64  # boxes of a range, before any is divided
+
+
+class Enclosure(NamedTuple):
+    """The least or the most that a channel, or a magnitude, ever is, SI: between `low` and `high`."""
+
+    channel: str
+    extreme: str  # least or most
+    low: float
+    high: float
+    position_low: float  # of the drive, rad or m, or the instant, s, under a motion law: where it is, or first is
+    position_high: float
+
+
+@dataclass(frozen=True)
+class Enclosures:
+    """What is proven over one cycle of the drive."""
+
+    rows: Sequence[Enclosure]  # none where the linkage is not shown to assemble all the way
+    open_at: Span | None  # the first part of the range where that is not shown, or where friction has several answers
+
+
+def enclose(
+    scene: Scene,
+    names: AbstractSet[str] | None = None,
+    accuracy: float = 1e-6,
+    off: Mapping[str, float] | None = None,
+) -> Enclosures:
+    """Prove what the extremes of channels and magnitudes are over all positions of a cycle, between samples too.
+
+    Args:
+        scene: the mechanism.
+        names: channels, and the magnitudes `P.force`, `P.speed`, `P.acceleration` and `transmission`; None for all.
+        accuracy: how far the bounds may be apart, of what the channel changes by; as far as doubles can decide.
+        off: by how much numbers of the scene may be off either way, SI, by path in the file: the extremes are then
+            those of all machines within that, and the bounds are apart by what a linear model of the numbers leaves.
+
+    Raises:
+        Failure: as of `solver`.
+        InputError: no scene, no such name, or an accuracy that is no number above zero.
+    """
+    numbers = scene_of(scene).numbers
+    known_names("off", off or {}, numbers)
+    finite_numbers("accuracy", accuracy)
+    boxes = Boxes(scene, names, off or {})
+    found = extremes(boxes, boxes.ways.divided(FIRST), boxes.kinds, accuracy)
+    rows = [
+        Enclosure(name, extreme, *(float(of[sense, row]) for of in (found.low, found.high, found.first, found.last)))
+        for row, name in enumerate(boxes.names)
+        for sense, extreme in enumerate(("least", "most"))
+    ]
+    return Enclosures(rows if found.open_at is None else (), found.open_at)
+
+
+def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = None) -> Mapping[str, Samples]:
+    """How far channels and magnitudes may leave the straight line between neighbouring places, SI.
+
+    Args:
+        scene: the mechanism.
+        edges: positions of the drive, rad or m, or instants, s, under a motion law; shape (n + 1,), increasing.
+        names: as of `enclose`.
+
+    Returns:
+        By name, shape (n,); NaN where nothing is known.
+    """
+    boxes = Boxes(scene, names, {})
+    models, own = boxes(edges[:-1], edges[1:])
+    off = np.maximum.reduceat(np.abs(models.c[2]) + 2 * models.rest, np.flatnonzero(np.diff(own, prepend=-1)), axis=1)
+    return dict(zip(boxes.names, off, strict=False))  # the conditions come last

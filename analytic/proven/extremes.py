@@ -1,0 +1,168 @@
+"""The extremes of many rows over boxes, enclosed: boxes that may hold one are divided until it is known closely enough.
+
+In a box a row is c_0 + c_1 s + c_2 s^2 and a rest of at most r (`taylor_models`): its largest value there is that of
+the parabola, to r. The largest of these less r is attained somewhere, and a box whose largest value and r are below it
+holds no extreme. All boxes of a level go through the line at once.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.model.motion import Samples
+
+from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_most
+
+AT_ONCE = 256  # boxes, which take about as long as a single one
+FEWEST, MOST = 4, 64  # parts of a box
+LEAST = 2.0**-44  # of the whole way: no box is divided further
+TOO_MANY = 30_000  # boxes of a level: where so many are left, what they may hold is not known
+FLAT = 1e-9  # of the largest value of a row's kind: what changes by less is zero, or the same, but for round-off
+ROUGHLY = 1e-6  # of that value: how closely such a row is known, whose boxes all hold its extremes
+DECIDED = 8  # rests of a single position, as most are: what doubles can decide
+
+Span: TypeAlias = tuple[float, float]
+Numbers: TypeAlias = NDArray[np.intp]
+Models: TypeAlias = Callable[[Samples, Samples], tuple[TaylorModel, Numbers]]
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """The least and the largest value of each row, shape (2, rows): infinite bounds where nothing is known."""
+
+    low: Samples
+    high: Samples
+    first: Samples  # of the way: before it the extreme is not
+    last: Samples  # the end of the first part of the way that may hold it
+    open_at: Span | None  # the first part of the way where one of the conditions may not hold
+
+
+@dataclass
+class _Level:
+    """Boxes that were evaluated together; the rows with either sign, shape (2, ..., rows, n)."""
+
+    low: Samples
+    high: Samples
+    c: Samples
+    rest: Samples  # (rows, n)
+    most: Samples
+    attained: Samples  # (2, rows)
+    doubtful: Any  # (n,): where a condition may not hold
+    fails: Any  # where one does not
+    open: Any  # what is to be divided, and for which row
+
+    @classmethod
+    def of(cls, found: tuple[TaylorModel, Numbers], low: Samples, high: Samples, rows: int) -> "_Level":
+        models, own = found
+        assumed = np.bincount(own)[own] > 1
+        c, rest = models.c[:, :rows], models.rest[:rows]
+        c = np.stack([-c, c])
+        top = parabola_most(np.moveaxis(c, 1, 0)) + np.abs(c[:, 3:]).sum(axis=1)
+        off, unknown = rest + 8 * ROUNDED * models.most[:rows], np.isnan(rest)
+        least, largest = (bound[rows:] for bound in models.range)
+        doubtful, fails = ~(least > 0).all(axis=0), (largest < 0).any(axis=0)
+        most, attained = np.where(unknown, np.inf, top + off), np.where(unknown | fails | assumed, -np.inf, top - off)
+        return cls(
+            low[own], high[own], c, rest, most, attained.max(axis=-1), doubtful, fails, np.zeros(most.shape, np.bool_)
+        )
+
+    def within(self, sense: int, row: int, attained: float) -> tuple[Samples, Samples]:
+        """The parts of boxes, divided no further, where a row may attain a value, shape (n,) each."""
+        here = ~self.open[sense, row] & ~self.fails & (self.most[sense, row] >= attained)
+        low, high, rest = self.low[here], self.high[here], self.rest[row, here]
+        c0, c1, c2 = self.c[sense, :3, row, here].T
+        c0 = c0 + rest + np.abs(self.c[sense, 3:, row, here]).sum(axis=-1)
+        with np.errstate(invalid="ignore", divide="ignore"):  # between the roots of a parabola that has a top
+            root = np.sqrt(np.maximum(c1 * c1 - 4 * c2 * (c0 - attained), 0))
+            ends = [np.where(c2 < 0, (c1 + sign * root) / (-2 * c2), sign) for sign in (-1, 1)]
+        middle, half = (low + high) / 2, (high - low) / 2
+        off = 1e-6 * half + 8 * ROUNDED * np.maximum(np.abs(low), np.abs(high))
+        ends = [np.where(np.isfinite(end), np.clip(end, -1, 1), sign) for end, sign in zip(ends, (-1, 1), strict=True)]
+        first, last = (middle + half * end for end in ends)
+        return np.maximum(first - off, low), np.minimum(last + off, high)
+
+
+def extremes(
+    models: Models,
+    boxes: tuple[Samples, Samples],
+    kinds: Numbers,
+    accuracy: float,
+) -> Extremes:
+    """Enclose the extremes of rows, and find where one of the conditions, which are to be positive, may not hold.
+
+    Args:
+        models: of the rows and, after them, of the conditions, over boxes by their ends, shape (n,); and which box each
+            is of, where several are of one that differ in what is assumed.
+        boxes: the ends of boxes with all the way, shape (n,) each.
+        kinds: of which kind each row is, shape (rows,); rows of one kind have one unit.
+        accuracy: how far the bounds may be apart, of the row's range.
+    """
+    low, high = boxes
+    way, rows = high.max() - low.min(), len(kinds)
+    rest = models(low, low)[0].rest[:rows]
+    rounding = DECIDED * np.median(np.where(np.isnan(rest), 0.0, rest), axis=-1)
+    attained = np.full((2, rows), -np.inf)
+    levels: list[_Level] = []
+    while True:
+        level = _Level.of(models(low, high), low, high, rows)
+        levels.append(level)
+        attained = np.maximum(attained, level.attained)
+        tolerance = np.maximum(_tolerance(attained, kinds, accuracy), rounding)
+        divisible = ~level.fails & (level.high - level.low > LEAST * way)
+        level.open = (level.most > (attained + tolerance)[..., np.newaxis]) | level.doubtful
+        level.open &= divisible
+        divided = np.isin(level.low, level.low[level.open.any(axis=(0, 1))])
+        level.open |= divided  # with all that is assumed of them
+        count = len(low := np.unique(level.low[divided]))
+        if not count or FEWEST * count > TOO_MANY:
+            level.open[:] = False
+            return _enclosed(levels, attained, LEAST * way)
+        parts = int(np.clip(AT_ONCE // count, FEWEST, MOST))
+        high = np.unique(level.high[divided])
+        ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
+        ends[-1] = high
+        low, high = ends[:-1].ravel(), ends[1:].ravel()
+
+
+def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
+    """How far bounds may be apart, given what is attained with either sign, shape (2, rows); 0 of nothing."""
+    size = np.zeros(kinds.max(initial=0) + 1)
+    np.maximum.at(size, kinds, np.where(np.isfinite(attained), np.abs(attained), 0.0).max(axis=0))
+    span = attained.sum(axis=0)
+    flat = max(accuracy, ROUGHLY) * size[kinds]
+    return np.where(np.isfinite(span), np.where(span > FLAT * size[kinds], accuracy * span, flat), 0.0)
+
+
+def _enclosed(levels: Sequence[_Level], attained: Samples, apart: float) -> Extremes:
+    """The bounds by the boxes that were divided no further."""
+    most = np.max([np.where(one.open | one.fails, -np.inf, one.most).max(axis=-1) for one in levels], axis=0)
+    most = np.maximum(attained, most)
+    first, last = np.full((2, *attained.shape), np.nan)
+    for sense, row in np.ndindex(attained.shape):
+        within = [one.within(sense, row, float(attained[sense, row])) for one in levels]
+        begins, ends = (np.concatenate(edges) for edges in zip(*within, strict=True))
+        first[sense, row], last[sense, row] = _first(begins, ends, apart) or (np.nan, np.nan)
+    low, high = np.stack([-most[0], attained[1]]), np.stack([-attained[0], most[1]])
+    return Extremes(low, high, first, last, _open_at(levels, apart))
+
+
+def _open_at(levels: Sequence[_Level], apart: float) -> Span | None:
+    """Where a condition first may not hold, as far as that is open: it holds before, and fails behind."""
+    low, high, doubtful, fails = (
+        np.concatenate([getattr(one, name)[~one.open.any(axis=(0, 1))] for one in levels])
+        for name in ("low", "high", "doubtful", "fails")
+    )
+    open_at = _first(low[doubtful & ~fails], high[doubtful & ~fails], apart)
+    failing = low[fails].min(initial=np.inf)
+    return open_at if open_at is not None and open_at[0] <= failing else (failing, failing) if fails.any() else None
+
+
+def _first(begins: Samples, ends: Samples, apart: float) -> Span | None:
+    """The first of what some parts of the way are joined to; None where there are none."""
+    order = np.argsort(begins)
+    begins, reach = begins[order], np.maximum.accumulate(ends[order])
+    gaps = np.flatnonzero(begins[1:] > reach[:-1] + apart)
+    return (float(begins[0]), float(reach[gaps[0]] if gaps.size else reach[-1])) if len(begins) else None

@@ -1,0 +1,92 @@
+"""Equations over boxes: around an approximate solution, a parabola of each unknown, a ball that holds exactly one."""
+
+from collections.abc import Callable, Sequence
+from math import isqrt
+from typing import Any
+
+import numpy as np
+
+from scenes.model.motion import Samples
+
+from .taylor_models import ROUNDED, TINY, UP, TaylorModel
+
+SLACK = 1e-7  # of a bound
+
+
+def stacked(models: Sequence[TaylorModel]) -> TaylorModel:
+    """Models as one, of shape (k, n)."""
+    n = max(one.c.shape[-1] for one in models)
+    c = np.stack([np.broadcast_to(one.c, (*one.c.shape[:-1], n)) for one in models], axis=1)
+    return TaylorModel(c, np.stack([np.broadcast_to(one.rest, (n,)) for one in models]))
+
+
+def picked(x: TaylorModel, i: Any) -> TaylorModel:
+    """Some of the values of stacked models; of models alone those of some boxes, unless it is the same in all."""
+    return x if len(x.rest) == 1 and x.rest.ndim == 1 else TaylorModel(x.c[:, i], x.rest[i])
+
+
+def _times(matrix: Samples, x: TaylorModel) -> TaylorModel:
+    """A matrix of doubles, shape (n, k, k), times models of shape (k, ..., n)."""
+    k = matrix.shape[-1]
+    c = np.einsum("nij,aj...n->ai...n", matrix, x.c)
+    return TaylorModel(c, np.einsum("nij,j...n->i...n", np.abs(matrix), x.rest + k * ROUNDED * x.most) * UP + TINY)
+
+
+def _sum(x: TaylorModel) -> TaylorModel:
+    """The sum of models over their second axis."""
+    return TaylorModel(x.c.sum(axis=2), (x.rest + x.c.shape[2] * ROUNDED * x.most).sum(axis=1) * UP)
+
+
+def inverse_of(matrix: Samples) -> Samples:
+    """Inverses, about, of matrices of shape (k, k, n) as (n, k, k), NaN where there are none."""
+    A = np.moveaxis(matrix, -1, 0)
+    fit: Any = np.isfinite(A).all(axis=(1, 2))
+    fit[fit] = np.linalg.slogdet(A[fit])[0] != 0
+    inverse = np.full(A.shape, np.nan)
+    inverse[fit] = np.linalg.inv(A[fit])
+    return inverse
+
+
+def contracted(inverse: Samples, open_by: TaylorModel, J: TaylorModel) -> tuple[Samples, Any]:
+    """What bounds the solution's distance, shape (k, n), and whether there is one: d > |R F| + |1 - R J| d (Krawczyk).
+
+    Of equations F = 0 with the Jacobian J, both near an approximate solution, and R about the inverse of J.
+    """
+    left, E = _times(inverse, open_by), _times(inverse, -J)
+    k = inverse.shape[-1]
+    E.c[0] += np.eye(k)[..., np.newaxis]
+    rounded = UP + k * ROUNDED
+    off, gains = (left.most + left.rest) * rounded, (E.most + E.rest + 2 * ROUNDED) * rounded
+    matrix = np.moveaxis(np.eye(k)[..., np.newaxis] - gains, -1, 0)
+    fit: Any = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(off).all(axis=0)
+    fit[fit] = np.linalg.slogdet(matrix[fit])[0] > 0
+    d = np.full(off.shape, np.nan)
+    more = off * (1 + SLACK) + SLACK * off.max(axis=0) + TINY  # so that the bound is one whatever was rounded
+    d[:, fit] = np.linalg.solve(matrix[fit], more.T[fit][..., np.newaxis])[..., 0].T
+    holds = ((d > 0) & (d > (off + np.einsum("ijn,jn->in", gains, d)) * rounded)).all(axis=0)
+    return np.where(holds, d, np.nan), holds
+
+
+def series(inverse: Samples, left: Callable[[Samples], TaylorModel], start: Samples, like: int) -> Samples:
+    """The coefficients of x where F(x) is zero, shape (like, k, n), order by order from the first, given F of them."""
+    c = np.zeros((like, *start.shape))
+    c[0] = start
+    for rows in ([1, *range(3, like)], [2]):
+        c[rows] -= np.einsum("nij,ajn->ain", inverse, left(c).c[rows])
+    return c
+
+
+def solution(entries: Sequence[TaylorModel]) -> TaylorModel:
+    """The x of A x = b, shape (k, n), given the entries of A, row by row, and of b; nothing where A may be singular."""
+    k, every = isqrt(len(entries)), stacked(entries)
+    like, n = len(every.c), every.c.shape[-1]
+    A = TaylorModel(every.c[:, : k * k].reshape(like, k, k, n), every.rest[: k * k].reshape(k, k, n))
+    b = TaylorModel(every.c[:, k * k :], every.rest[k * k :])
+    inverse = inverse_of(A.c[0])
+
+    def left(c: Samples) -> TaylorModel:
+        return _sum(A * TaylorModel(c[:, np.newaxis], np.zeros((1, k, n)))) - b
+
+    c = series(inverse, left, np.einsum("nij,jn->in", inverse, b.c[0]), like)
+    d, holds = contracted(inverse, left(c), A)
+    return TaylorModel(np.where(holds, c, 0.0), d)

@@ -1,0 +1,111 @@
+"""Recorded expressions over boxes of the drive's range, as Taylor models."""
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from types import MappingProxyType
+
+import numpy as np
+
+from scenes.model.motion import Samples
+
+from ..expressions import OPERATIONS, Closing, Expression, needed
+from .box_equations import contracted, inverse_of, picked, series, solution, stacked
+from .in_numpy import NewtonsMethod
+from .taylor_models import EXACT, ROUNDED, RULES, TaylorModel, point
+
+
+class Closed:
+    """A larger group's coordinates over boxes, around the poses that Newton's method finds in their middles."""
+
+    def __init__(self, closing: Closing, like: int) -> None:
+        self.newton, self.k, self.like = NewtonsMethod(closing), len(closing.coordinates), like
+        self.names = [one.of[0] for one in closing.coordinates]
+        self.outer = closing.outer
+        self.line = BoxLine([*closing.C, *closing.J], like, {}, {one.order for one in closing.outer})
+
+    def __call__(self, *given: TaylorModel) -> TaylorModel:
+        """The coordinates, given what `Recorder.closed` has: nothing where none, or several, may be in a box."""
+        k, like = self.k, self.like
+        known = dict(zip((one.order for one in self.outer), given[k + 3 :], strict=True))
+        middles = [one.c[0] for one in given]
+        n = max(len(one) for one in middles)
+        start = self.newton((1, n), *(np.broadcast_to(one, (1, n)) for one in middles))[:, 0]
+
+        def equations(c: Samples, off: Samples) -> tuple[TaylorModel, TaylorModel]:
+            q = TaylorModel(c, off)
+            rows = stacked(self.line({name: picked(q, i) for i, name in enumerate(self.names)}, known))
+            J = rows.c[:, k:].reshape(like, k, k, n), rows.rest[k:].reshape(k, k, n)
+            return TaylorModel(rows.c[:, :k], rows.rest[:k]), TaylorModel(*J)
+
+        exactly = np.zeros((k, n))
+        still = np.concatenate([start[np.newaxis], np.zeros((like - 1, k, n))])
+        inverse = inverse_of(equations(still, exactly)[1].c[0])
+        c = series(inverse, lambda c: equations(c, exactly)[0], start, like)
+        c = np.where(np.isfinite(c).all(axis=(0, 1)), c, 0.0)
+        open_by, J = equations(c, exactly)
+        tried = 2 * np.nan_to_num(contracted(inverse, open_by, J)[0])
+        d, holds = contracted(inverse, open_by, equations(c, tried)[1])
+        holds &= (d <= tried).all(axis=0)  # so that J was that of the whole ball
+        return TaylorModel(np.where(holds, c, 0.0), np.where(holds, d, np.nan))
+
+
+class BoxLine:
+    """The values of expressions over boxes, for many calls; what is the same in all boxes is worked out only once."""
+
+    def __init__(
+        self,
+        expressions: Sequence[Expression],
+        like: int,
+        numbers: Mapping[str, TaylorModel],
+        known: AbstractSet[int] = frozenset(),
+    ) -> None:
+        self.rows, self.like = expressions, like
+        order = [one for one in needed(expressions, known) if one.order not in known]
+        self.still: dict[int, TaylorModel] = {}
+        self.closed = {one.order: Closed(one.of[0], like) for one in order if one.operation == "closed"}
+        self.order = [one for one in order if one.sampled]
+        kept = {one.order for one in expressions}.union(known)
+        with np.errstate(all="ignore"):
+            self._run(self.still, [one for one in order if not one.sampled], numbers)
+        ends = {of.order: one.order for one in self.order for of in one.operands if of.sampled}
+        self.ended: dict[int, list[int]] = {}  # what is needed no more, by the last that it was needed for
+        for of, last in ends.items():
+            if of not in kept:
+                self.ended.setdefault(last, []).append(of)
+
+    def __call__(
+        self, given: Mapping[str, TaylorModel], known: Mapping[int, TaylorModel] = MappingProxyType({})
+    ) -> list[TaylorModel]:
+        """The values of the expressions, given the inputs that differ from box to box, and what is known by order."""
+        values = {**self.still, **known}
+        with np.errstate(all="ignore"):
+            self._run(values, self.order, given)
+        return [values[one.order] for one in self.rows]
+
+    def _run(
+        self, values: dict[int, TaylorModel], order: Sequence[Expression], given: Mapping[str, TaylorModel]
+    ) -> None:
+        ended = self.ended if order is self.order else {}
+        for one in order:
+            of = [values[operand.order] for operand in one.operands]
+            match one.operation:
+                case "constant":
+                    value = one.of[0]
+                    rounded = 0.0 if (value * EXACT).is_integer() else ROUNDED * abs(value)
+                    made = point(value, self.like, rounded)
+                case "input":
+                    made = given[one.of[0]]
+                case "closed":
+                    made = self.closed[one.order](*of)
+                case "system":
+                    made = solution(of)
+                case "component":
+                    made = picked(of[0], int(one.of[1].of[0]))
+                case "less" | "less_equal" if not one.sampled:  # of the file's numbers: as they are, to the last place
+                    yes = OPERATIONS[one.operation](*(x.c[0, 0] for x in of))
+                    made = point(float(yes), self.like)
+                case operation:
+                    made = RULES[operation](*of)
+            values[one.order] = made
+            for other in ended.get(one.order, ()):
+                del values[other]

@@ -1,0 +1,257 @@
+"""Recorded expressions as Taylor models: parabolas with a proven rest, over many boxes at once.
+
+Over a box the drive's position, or the time, is its middle and s times half its width, |s| <= 1; a number of the scene
+that is not quite as drawn is its value and t_i times what it may be off by, |t_i| <= 1. A value is then
+
+    c_0 + c_1 s + c_2 s^2 + sum_i c_2+i t_i + rest,   |rest| <= r,                                               (1)
+
+with the coefficients in doubles. All else goes into the rest: products that (1) has no place for, what a function has
+beyond its parabola (Taylor's theorem), and roundings. Where nothing is known the rest is NaN: a divisor that may be
+zero, or a root of what may be negative. Makino and Berz, "Taylor models and other validated functional inclusion
+methods" (2003). Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from scenes.model.motion import Samples
+
+ROUNDED = 2.0**-50  # of a result: one to three roundings, in whatever order, are 2^-53 each
+FUNCTION = 2.0**-49  # of a function's value: NumPy's are off by less than one unit in the last place, 2^-52
+UP = 1 + 2.0**-48  # a rest is a sum of a dozen terms: its own roundings
+TINY = 1e-290  # what underflows, and what a rest loses by that
+
+EXACT = 4096  # a constant is meant as it is where it is a whole number of parts of one by this
+
+
+class TaylorModel:
+    """Values over n boxes: coefficients, shape (m, n) or (m, 1), and what bounds the rest, shape (n,) or (1,)."""
+
+    def __init__(self, c: Samples, rest: Samples) -> None:
+        self.c, self.rest = c, rest
+
+    @cached_property
+    def sizes(self) -> Samples:
+        """The sizes of the coefficients."""
+        return np.abs(self.c)
+
+    @cached_property
+    def beside(self) -> Samples:
+        """The most of all terms but the first two."""
+        return np.asarray(self.sizes[2:].sum(axis=0) if len(self.c) > 3 else self.sizes[2])
+
+    @cached_property
+    def moving(self) -> Samples:
+        """The most of all terms but the first."""
+        return np.asarray(self.sizes[1] + self.beside)
+
+    @cached_property
+    def most(self) -> Samples:
+        """The most of all terms."""
+        return np.asarray(self.sizes[0] + self.moving)
+
+    @cached_property
+    def radius(self) -> Samples:
+        """By how much it differs at most from its first term."""
+        return np.asarray((self.moving + self.rest) * UP)
+
+    @property
+    def range(self) -> tuple[Samples, Samples]:
+        """Bounds of the values, shape (n,)."""
+        return self.c[0] - self.radius, self.c[0] + self.radius
+
+    def __neg__(self) -> "TaylorModel":
+        return TaylorModel(-self.c, self.rest)
+
+    def __add__(self, other: "TaylorModel") -> "TaylorModel":
+        return _rounded(self.c + other.c, self.rest + other.rest)
+
+    def __sub__(self, other: "TaylorModel") -> "TaylorModel":
+        return _rounded(self.c - other.c, self.rest + other.rest)
+
+    def __mul__(self, other: "TaylorModel") -> "TaylorModel":
+        a, b = self.c, other.c
+        c = a[0] * b
+        c[1:] += b[0] * a[1:]
+        c[2] += a[1] * b[1]
+        dropped = self.sizes[1] * other.beside + self.beside * other.moving
+        rest = dropped + self.most * (other.rest + ROUNDED * other.most) + self.rest * (other.most + other.rest)
+        return TaylorModel(c, rest * UP + TINY)
+
+    def __truediv__(self, other: "TaylorModel") -> "TaylorModel":
+        return self * _reciprocal(other)
+
+
+def _rounded(c: Samples, rest: Samples) -> TaylorModel:
+    """A model with a coefficient's rounding more in its rest."""
+    made = TaylorModel(c, rest)
+    made.rest = (rest + ROUNDED * made.most) * UP
+    return made
+
+
+def point(value: Any, like: int, off: Any = 0.0) -> TaylorModel:
+    """A value that is the same all over a box but for what it is off, with as many coefficients as there are."""
+    value = np.atleast_1d(np.asarray(value, np.float64))
+    c = np.zeros((like, len(value)))
+    c[0] = value
+    return TaylorModel(c, np.broadcast_to(np.asarray(off, np.float64), value.shape))
+
+
+def parabola_most(c: Samples) -> Samples:
+    """The largest values of parabolas for |s| <= 1, of coefficients of shape (m, ..., n)."""
+    slope = np.abs(c[1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        s = np.where(c[2] < 0, np.minimum(slope / (-2 * c[2]), 1.0), 1.0)
+    return np.asarray(c[0] + s * (slope + s * c[2]))
+
+
+def hull(low: Samples, high: Samples, like: int) -> TaylorModel:
+    """What lies between bounds, shape (n,)."""
+    middle = (low + high) / 2
+    return point(
+        np.where(np.isfinite(middle), middle, 0.0), like, (np.maximum(high - middle, middle - low)) * UP + TINY
+    )
+
+
+def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorModel:
+    """A function of x by Taylor's theorem: its value at c_0, the derivative, half the second, and a sixth's bound."""
+    f0, f1, f2 = f
+    c = f1 * x.c
+    c[0] = f0
+    c[2] += f2 * (x.c[1] * x.c[1])
+    b, k, rest, D = x.sizes[1], x.beside, x.rest, x.radius
+    square = k * (2 * b + k) + rest * (2 * x.moving + rest)  # of x less its first term, beside c_1^2 s^2
+    off = np.abs(f1) * (rest + FUNCTION * D) + np.abs(f2) * (square + FUNCTION * D * D) + third * D**3
+    return TaylorModel(c, (off + FUNCTION * np.abs(f0)) * UP + TINY)
+
+
+def _either(where: Any, yes: TaylorModel, no: TaylorModel) -> TaylorModel:
+    """One of two, box by box."""
+    if where.all():
+        return yes
+    return TaylorModel(np.where(where, yes.c, no.c), np.where(where, yes.rest, no.rest))
+
+
+def _reciprocal(x: TaylorModel) -> TaylorModel:
+    c0 = x.c[0]
+    least = (np.abs(c0) - x.radius) * (2 - UP)
+    f0 = 1 / c0
+    inverse = _composed(x, (f0, -f0 * f0, f0 * f0 * f0), 1 / least**4)
+    return _either(least > 0, inverse, point(0.0, len(x.c), np.nan))
+
+
+def _sqrt(x: TaylorModel) -> TaylorModel:
+    """The root of what is not negative; how far a group reaches is asked elsewhere."""
+    low, high = x.range
+    f0 = np.sqrt(x.c[0])
+    smooth = low > 0
+    root = _composed(x, (f0, 0.5 / f0, -0.125 / (f0 * x.c[0])), 1 / (16 * low**2 * np.sqrt(low)))
+    if smooth.all():
+        return root
+    rough = hull(np.sqrt(np.maximum(low, 0)), np.sqrt(high) * UP, len(x.c))
+    return _either(smooth & (root.rest < rough.rest), root, rough)
+
+
+def sin(x: TaylorModel) -> TaylorModel:
+    """The sine of an angle, rad."""
+    s, c = np.sin(x.c[0]), np.cos(x.c[0])
+    return _composed(x, (s, c, -s / 2), np.array(1 / 6))
+
+
+def cos(x: TaylorModel) -> TaylorModel:
+    """The cosine of an angle, rad."""
+    s, c = np.sin(x.c[0]), np.cos(x.c[0])
+    return _composed(x, (c, -s, -c / 2), np.array(1 / 6))
+
+
+def _tanh(x: TaylorModel) -> TaylorModel:
+    t = np.tanh(x.c[0])
+    return _composed(x, (t, 1 - t * t, -t * (1 - t * t)), np.array(1 / 3))
+
+
+def _arctan2(y: TaylorModel, x: TaylorModel) -> TaylorModel:
+    """The angle at the middle, and the angle from there: the arctangent of a quotient that is about zero."""
+    like, (x0, y0) = len(x.c), (x.c[0], y.c[0])
+    X, Y = point(x0, like), point(y0, like)
+    w = (y * X - x * Y) / (x * X + y * Y)
+    w0 = w.c[0]
+    slope = 1 / (1 + w0 * w0)
+    turned = _composed(w, (np.arctan(w0), slope, -w0 * slope * slope), np.array(1 / 3))
+    middle = np.arctan2(y0, x0)
+    angle = turned + point(middle, like, FUNCTION * np.abs(middle))
+    low, high = angle.range
+    return _either((low > -np.pi) & (high < np.pi), angle, point(0.0 * middle, like, np.pi * UP))
+
+
+def _absolute(x: TaylorModel) -> TaylorModel:
+    low, high = x.range
+    return _either(low >= 0, x, _either(high <= 0, -x, hull(0 * high, np.maximum(high, -low), len(x.c))))
+
+
+def _largest(x: TaylorModel, y: TaylorModel) -> TaylorModel:
+    """The larger one: half the sum and half the distance, where that is not known from a zero to its most."""
+    apart = x - y
+    low, high = apart.range
+    most = np.maximum(high, -low) / 4
+    half = point([0.5], len(x.c))
+    middle = (x + y) * half + point(most, len(x.c), most)
+    return _either(low >= 0, x, _either(high <= 0, y, middle))
+
+
+def _floor(x: TaylorModel) -> TaylorModel:
+    low, high = (np.floor(one) for one in x.range)
+    return hull(low, high, len(x.c))
+
+
+def _truth(yes: Any, no: Any, like: int) -> TaylorModel:
+    """A condition: one, or zero, or between them where it is not decided."""
+    return point(np.where(yes, 1.0, np.where(no, 0.0, 0.5)), like, np.where(yes | no, 0.0, 0.5))
+
+
+def _less(x: TaylorModel, y: TaylorModel) -> TaylorModel:
+    low, high = (y - x).range
+    return _truth(low > 0, high <= 0, len(x.c))
+
+
+def _less_equal(x: TaylorModel, y: TaylorModel) -> TaylorModel:
+    if x is y:
+        return _truth(np.isfinite(x.rest), np.isnan(x.rest), len(x.c))
+    low, high = (y - x).range
+    return _truth(low >= 0, high < 0, len(x.c))
+
+
+def _where(condition: TaylorModel, yes: TaylorModel, no: TaylorModel) -> TaylorModel:
+    """One of two; where the condition is not decided all that lies between their bounds, as there may be a jump."""
+    low, high = condition.range
+    if (low > 0.5).all():
+        return yes
+    if (high < 0.5).all():
+        return no
+    (a, b), (c, d) = yes.range, no.range
+    both = hull(np.minimum(a, c), np.maximum(b, d), len(yes.c))
+    return _either(low > 0.5, yes, _either(high < 0.5, no, both))
+
+
+RULES: Mapping[str, Callable[..., TaylorModel]] = {
+    "add": TaylorModel.__add__,
+    "subtract": TaylorModel.__sub__,
+    "multiply": TaylorModel.__mul__,
+    "divide": TaylorModel.__truediv__,
+    "negative": TaylorModel.__neg__,
+    "absolute": _absolute,
+    "sqrt": _sqrt,
+    "sin": sin,
+    "cos": cos,
+    "tanh": _tanh,
+    "floor": _floor,
+    "arctan2": _arctan2,
+    "maximum": _largest,
+    "minimum": lambda x, y: -_largest(-x, -y),
+    "less": _less,
+    "less_equal": _less_equal,
+    "where": _where,
+    "within": lambda x, off: TaylorModel(x.c, (x.rest + off.most + off.rest) * UP),
+}
