@@ -1,7 +1,7 @@
 """The vector-equation core: dyads in closed form, exact velocities and accelerations, kinetostatics."""
 
 from .core.decomposition import in_closed_form, route
-from .proven.enclosures import Enclosure, Enclosures, departures, enclose
+from .proven.enclosures import departures, enclose
 from .recorded.derivatives import derivative_solver, derivatives
 from .recorded.fast import fast_solver
 from .recorded.many import Machines, many_solver, solve_many
@@ -11,8 +11,6 @@ from .way.change_points import check_way
 from .way.slider import inverse
 
 __all__ = [
-    "Enclosure",
-    "Enclosures",
     "Extremes",
     "Grid",
     "Histogram",

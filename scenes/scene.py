@@ -92,6 +92,14 @@ class Variation:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """What a channel or a magnitude may be at any position of the drive, SI."""
+
+    least: float | None = None
+    most: float | None = None
+
+
+@dataclass(frozen=True)
 class Pin:
     """A pin between two bodies at a point they both name; `first` comes first in the file, the ground before all."""
 
@@ -119,6 +127,7 @@ class Scene:
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
+    limits: Mapping[str, Limit] = field(default_factory=dict)  # by channel or magnitude
     variations: tuple[Variation, ...] = ()  # what the workshop may deviate, in the units of the file
     torsion_springs: tuple[TorsionSpring, ...] = ()
     friction: tuple[Friction, ...] = ()

@@ -17,7 +17,7 @@ from scenes import Scene
 from scenes.arguments import known_names
 from scenes.drive import ConstantSpeed, Driven
 from scenes.laws import Piece
-from scenes.model.motion import UNITS, Samples, magnitudes, quantity
+from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
 from scenes.scene import PressForce
 
 from ..channels import all_channels
@@ -35,8 +35,6 @@ LAW = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and o
 STROKE, PARTS, STROKE_LEVELS = 512, 64, 3  # boxes of a cycle, parts of a box, levels: how a stroke's end is found
 AROUND = 0.5  # rad: what the angle of a spring that twists, roughly known, is off by at most
 WAYS = 27  # in which three joints may move or rest; more are too many
-TRANSMISSION = "transmission"
-
 Numbers: TypeAlias = NDArray[np.intp]
 
 

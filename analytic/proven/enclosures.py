@@ -1,39 +1,19 @@
 """What is proven of a scene over its whole range: that it assembles, and bounds of every channel's extremes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from scenes import Scene
 from scenes.arguments import finite_numbers, known_names, scene_of
+from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
 
 from .boxes import Boxes
-from .extremes import Span, extremes
+from .extremes import extremes
 
 FIRST = 64  # boxes of a range, before any is divided
-
-
-class Enclosure(NamedTuple):
-    """The least or the most that a channel, or a magnitude, ever is, SI: between `low` and `high`."""
-
-    channel: str
-    extreme: str  # least or most
-    low: float
-    high: float
-    position_low: float  # of the drive, rad or m, or the instant, s, under a motion law: where it is, or first is
-    position_high: float
-
-
-@dataclass(frozen=True)
-class Enclosures:
-    """What is proven over one cycle of the drive."""
-
-    rows: Sequence[Enclosure]  # none where the linkage is not shown to assemble all the way
-    open_at: Span | None  # the first part of the range where that is not shown, or where friction has several answers
 
 
 def enclose(

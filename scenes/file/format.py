@@ -12,7 +12,7 @@ from ..elements.friction import FrictionTable
 from ..elements.load_table import LoadTable
 from ..elements.springs import SpringTable, TorsionSpringTable
 from ..errors import InputError, nearest, one_line, path_in_file
-from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive, parts
+from ..fields import PATTERNS, EngineName, FileTable, Finite, Gravity, Known, Name, Place, Position, Positive, parts
 
 # To Python, True is 1.
 Format = Annotated[Literal[1], BeforeValidator(lambda value: str(value) if isinstance(value, bool) else value)]
@@ -75,6 +75,13 @@ class TolerancesTable(FileTable):
     force: Positive | None = Field(None, description="Of the driven slider's force, over its peak.")
 
 
+class LimitTable(FileTable):
+    """What a channel or a magnitude may be over the whole range of the drive, in the units of the file."""
+
+    least: Finite | None = Field(None, description="It may never be less.")
+    most: Finite | None = Field(None, description="It may never be more.")
+
+
 class SceneFile(FileTable):
     """A whole scene file."""
 
@@ -109,6 +116,9 @@ class SceneFile(FileTable):
     sketch: SketchTable = Field(description="Rough positions, which show how the bodies are assembled.")
     output: OutputTable = Field(description="The point that the report is about.")
     tolerances: dict[EngineName, TolerancesTable] = Field({}, description="By engine, largest errors for `--check`.")
+    limits: dict[str, LimitTable] = Field(
+        {}, max_length=limits.LOADS, description='By channel or magnitude, as "P1.force", what `--check` holds it to.'
+    )
     results: dict[Name, dict[str, Any]] = Field({}, description="By name how to read a result, for `--result`.")
 
 

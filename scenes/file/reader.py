@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from os import PathLike
@@ -21,7 +22,8 @@ from ..errors import InputError, at_place, nearest, one_line
 from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
 from ..limits import SOURCE, TITLE
-from ..scene import GROUND, Scene, Sketch, Variation
+from ..model.motion import TRANSMISSION, channels, magnitudes, size_of
+from ..scene import GROUND, Limit, Scene, Sketch, Variation
 from .changes import Value, change, check_variations, label, numbers
 from .consistency import check
 from .format import SceneFile, TolerancesTable, validated
@@ -121,7 +123,23 @@ def _scene(table: SceneFile, file: str) -> Scene:
     in_si = {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}
     scene: Scene = put(as_written, in_si)
     check(scene, output_slides=table.output.slider is not None)
-    return scene
+    return replace(scene, limits=_limits(table, scene))
+
+
+def _limits(table: SceneFile, scene: Scene) -> Mapping[str, Limit]:
+    held: dict[str, Limit] = {}
+    known = {*channels(scene), *magnitudes(scene), TRANSMISSION} - {"time", scene.drive_channel}
+    for name, limit in table.limits.items():
+        place = f"limits.{name if name == TRANSMISSION else repr(name)}".replace("'", '"')
+        if name not in known:
+            raise InputError(f"{place}: no such channel or magnitude{nearest(name, known)}")
+        if limit.least is None and limit.most is None:
+            raise InputError(f"{place}: expected 'least', 'most' or both")
+        if limit.least is not None and limit.most is not None and limit.least > limit.most:
+            raise InputError(f"{place}.least: expected {limit.most:g}, the most, or less, found {limit.least:g}")
+        size = size_of(scene, name)
+        held[name] = Limit(*(None if end is None else end * size for end in (limit.least, limit.most)))
+    return MappingProxyType(held)
 
 
 def _driven_on(table: SceneFile, guide: SlideTable | None) -> str:

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
+TRANSMISSION = "transmission"  # the least angle of all dyads
 FEWEST = 8  # samples of a cycle: of fewer no course is seen
 WIDTH, HEIGHT, MARGIN = 120, 24, 2  # px, of a sparkline
 UNITS: Mapping[str, str] = {
@@ -62,6 +63,9 @@ UNITS: Mapping[str, str] = {
     **dict.fromkeys(("guide_moment", "torque", "friction_moment"), "N*m"),
     **{"time": "s", "vx": "m/s", "vy": "m/s", "ax": "m/s^2", "ay": "m/s^2", "omega": "rad/s", "alpha": "rad/s^2"},
     **{"power": "W", "speed": "m/s", "acceleration": "m/s^2"},
+}
+DIMENSIONS: Mapping[str, str] = {  # of the units that a file may name; the others are SI in files too
+    **{"m": "length", "rad": "angle", "N": "force", "N*m": "moment", "m/s": "sliding_rate"},
 }
 
 
@@ -91,6 +95,11 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
     sliding = (body.name for body in scene.bodies.values() if body.slide is not None)
     guides = (f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment"))
     return (*pins, *guides, scene.effort_channel)
+
+
+def size_of(scene: Scene, name: str) -> float:
+    """The unit of a channel or magnitude in the scene's file, SI: velocities are in its length a second."""
+    return scene.all_units[DIMENSIONS[UNITS[quantity(name)]]][1] if UNITS[quantity(name)] in DIMENSIONS else 1.0
 
 
 def friction_channels(scene: Scene) -> tuple[str, ...]:
