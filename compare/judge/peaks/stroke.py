@@ -13,7 +13,6 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import Load, PressForce, Slide, TableForce
 
-from ...mechanics.elements import table_of
 from ...mechanics.motion_vectors import quintic
 from ...mechanics.scales import chord
 from .curves import CycleCurve, Values
@@ -112,8 +111,7 @@ def _closing(scene: Scene) -> int:
 
 def _push(load: Load, slide: Slide) -> Any:
     """The largest force of a load along a guide on the ground, N."""
-    table = table_of(load)
-    largest = max(table.values, key=abs) if table is not None else getattr(load, "force", 0.0)
+    largest = max(load.table.values, key=abs) if load.table is not None else getattr(load, "force", 0.0)
     if isinstance(load, TableForce):
         return np.dot(load.direction, slide.along) * largest
     return largest if np.ndim(largest) == 0 else np.dot(largest, slide.along)
