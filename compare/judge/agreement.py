@@ -120,8 +120,36 @@ class Judgement:
 
     @property
     def agreement(self) -> Agreement:
-        """Whether the models agree, in a word and in a sentence."""
-        return agreement(self)
+        """Whether the models agree.
+
+        They agree where the judgement is ok, and other engines confirm every channel of the reference; in part, where
+        no model contradicts another and some of them, or arbitrary precision, confirm the reference.
+        """
+        others = [m for m in self.measurements if m.run.engine != REFERENCE]
+        confirming = [m for m in others if m.run.status is Status.ok]
+        if contradiction := _contradiction(self, others):
+            return Agreement(Word.disagrees, contradiction)
+        unsolved = _listed([f"{m.run.engine} {_why(m)}" for m in others if m.run.status is not Status.ok])
+        if not confirming:
+            alone = f"{unsolved}; nothing else checks it" if unsolved else "No other engine was asked"
+            certified = self.reference.floor.by_channel and not unsolved
+            return Agreement(Word.in_part if certified else Word.not_solved, f"{alone}; {_certified(self)}.")
+        sentences = [f"{_confirmed(self, confirming)}; {_certified(self)}."]
+        whole = [m for m in confirming if _whole_cycle(self.scene, m)]
+        given = {"time", self.scene.drive_channel}.union(*(m.run.motion.samples for m in whole if m.run.motion))
+        unchecked = [channel for channel in self.sampling.wanted(self.scene) if channel not in given]
+        if unchecked:
+            where = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)
+            sentences.append(f"No other engine that is ok gives {unchecked[0]}{where}.")
+        agrees = self.ok and not unchecked
+        if agrees and self.held:
+            count = len(self.held)
+            sentences.append("The tolerance is met." if count == 1 else f"All {count} tolerances are met.")
+        if not agrees and unsolved:
+            sentences.append(f"{unsolved}.")
+        if self.let_through:
+            sentences.append("The comparison let through faults that were put into copies of these runs.")
+        return Agreement(Word.agrees if agrees else Word.in_part, " ".join(sentences))
 
     @cached_property
     def peaks(self) -> list[Peak]:
@@ -142,39 +170,6 @@ class Judgement:
     def channel_errors(self) -> list[ChannelError]:
         """One row per engine and channel: its errors against the reference."""
         return [row for measured in self.measurements for row in measured.errors]
-
-
-def agreement(judged: Judgement) -> Agreement:
-    """Whether the models agree.
-
-    They agree where the judgement is ok, and other engines confirm every channel of the reference; in part, where no
-    model contradicts another and some of them, or arbitrary precision, confirm the reference.
-    """
-    others = [m for m in judged.measurements if m.run.engine != REFERENCE]
-    confirming = [m for m in others if m.run.status is Status.ok]
-    if contradiction := _contradiction(judged, others):
-        return Agreement(Word.disagrees, contradiction)
-    unsolved = _listed([f"{m.run.engine} {_why(m)}" for m in others if m.run.status is not Status.ok])
-    if not confirming:
-        alone = f"{unsolved}; nothing else checks it" if unsolved else "No other engine was asked"
-        certified = judged.reference.floor.by_channel and not unsolved
-        return Agreement(Word.in_part if certified else Word.not_solved, f"{alone}; {_certified(judged)}.")
-    sentences = [f"{_confirmed(judged, confirming)}; {_certified(judged)}."]
-    whole = [m for m in confirming if _whole_cycle(judged.scene, m)]
-    given = {"time", judged.scene.drive_channel}.union(*(m.run.motion.samples for m in whole if m.run.motion))
-    unchecked = [channel for channel in judged.sampling.wanted(judged.scene) if channel not in given]
-    if unchecked:
-        where = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)
-        sentences.append(f"No other engine that is ok gives {unchecked[0]}{where}.")
-    agrees = judged.ok and not unchecked
-    if agrees and judged.held:
-        count = len(judged.held)
-        sentences.append("The tolerance is met." if count == 1 else f"All {count} tolerances are met.")
-    if not agrees and unsolved:
-        sentences.append(f"{unsolved}.")
-    if judged.let_through:
-        sentences.append("The comparison let through faults that were put into copies of these runs.")
-    return Agreement(Word.agrees if agrees else Word.in_part, " ".join(sentences))
 
 
 def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:

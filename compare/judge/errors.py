@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
-from scenes.model.motion import Samples
+from scenes.model.motion import Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.registry import REFERENCE
 from ..engines.runner import ON_TIME
-from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
+from ..mechanics.mechanics import GROUPS, SHOWN_GROUPS
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained
 
@@ -92,7 +92,7 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
 
 def shown_groups(scene: Scene) -> tuple[str, ...]:
     """The groups that a scene has channels of, in the order of the tables; the drive has a torque or a force."""
-    known = {*Mechanics(scene).groups.values()}
+    known = {GROUPS[quantity(channel)] for channel in channels(scene) if channel != "time"}
     return tuple(group for group in SHOWN_GROUPS if group in known)
 
 

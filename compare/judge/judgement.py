@@ -18,7 +18,6 @@ from ..engines.processes.stopping import kept
 from ..engines.registry import ORACLE, REFERENCE, voter
 from ..engines.runner import HERE, Runs
 from ..mechanics.axis import cycle_name
-from ..mechanics.elements import table_of
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import explain
 from ..mechanics.scales import relative_errors
@@ -148,7 +147,7 @@ def parts_of_cycles(scene: Scene, sampling: Sampling) -> Iterator[str]:
     drive, cycle = scene.drive, cycle_name(scene)
     cycles = {"drive": abs(float(drive.after(1.0) - drive.after(0.0))), "time": drive.cycle}
     for number, load in enumerate(scene.loads):
-        table = table_of(load)
+        table = load.table
         if table is None or not (table.periodic and drive.repeats and cycles.get(table.over)):
             continue
         turns = ceil((table.arguments[-1] - table.arguments[0]) / cycles[table.over] - PART)

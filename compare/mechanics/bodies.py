@@ -76,8 +76,7 @@ def arms(scene: Scene, body: Body) -> dict[str, complex]:
     """
     if body.local is not None:
         return {point: complex(*place) - first_point(body) for point, place in body.local.items()}
-    drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
-    length, (first, second, *others) = distances(body), body.points
+    drawn, length, (first, second, *others) = scene.drawn, distances(body), body.points
     places = {first: 0j, second: complex(length[first, second])}
     for point in others:
         p, q = body.bases[point]

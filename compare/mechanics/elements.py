@@ -166,11 +166,6 @@ def argument(state: MotionVectors, body: str, table: LoadCurve) -> Samples:
     return state.motion["time" if table.over == "time" else state.scene.drive_channel]
 
 
-def table_of(load: Load) -> LoadCurve | None:
-    """The table of a load, if it has one."""
-    return None if isinstance(load, Force | PressForce) else load.table
-
-
 def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:
     """All bodies of a motion that has every channel, by name."""
     scene, motion, names = state.scene, state.motion, (*state.scene.bodies, GROUND)

@@ -1,7 +1,6 @@
 """One linkage, prepared to be judged: what follows from its scene alone, worked out once and handed on."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
 from typing import NamedTuple
@@ -11,11 +10,9 @@ import numpy as np
 from scenes import Failure, Scene
 from scenes.fields import At, put, walk
 from scenes.model.motion import UNITS, channels, force_channels, friction_channels, quantity
-from scenes.scene import PressForce
 
 from ..engines import registry
-from .axis import DriveAxis, axis
-from .bodies import inertia
+from .axis import axis
 from .constraints import Constraints
 from .motion_vectors import press_forces
 
@@ -38,26 +35,20 @@ LEFT_OUT = {("drive", name) for name in ("start", "end", "times", "positions")} 
 }
 
 
-@dataclass(frozen=True)
 class Mechanics:
-    """The judge's own model of a linkage, each part made when it is first asked for."""
+    """The judge's own model of a linkage; parts that take time are made when they are first asked for."""
 
-    scene: Scene
-
-    @cached_property
-    def axis(self) -> DriveAxis:
-        """What curves run over, and where tables say that something happened."""
-        return axis(self.scene)
-
-    @cached_property
-    def presses(self) -> tuple[PressForce, ...]:
-        """The loads that depend on the direction of motion."""
-        return press_forces(self.scene)
-
-    @cached_property
-    def inertia(self) -> Mapping[str, float]:
-        """By body its moment of inertia about the centre of mass, kg m^2."""
-        return {name: inertia(body) for name, body in self.scene.bodies.items()}
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.axis, self.presses = scene, axis(scene), press_forces(scene)
+        self.forces = force_channels(scene)  # one a constraint; none without masses
+        self.friction = friction_channels(scene)
+        self.units = {c: UNITS[quantity(c)] for c in channels(scene)}  # by channel, in the order of the files
+        self.groups = {c: GROUPS[quantity(c)] for c in self.units if c != "time"}  # in which each channel is judged
+        bodies, moving = scene.bodies, {*scene.moving_points}
+        self.along_guides = {  # by body that slides its moving points, and those of the body that it slides on
+            name: tuple(p for each in (name, slide.on) if each in bodies for p in bodies[each].points if p in moving)
+            for name, slide in scene.slides.items()
+        }
 
     @property
     def way(self) -> float:
@@ -69,26 +60,6 @@ class Mechanics:
     def rate(self) -> float:
         """The drive's peak rate over its `way`, 1/s."""
         return self.scene.drive.peak_rate / self.way
-
-    @cached_property
-    def forces(self) -> tuple[str, ...]:
-        """The channels of its forces, one a constraint; none without masses."""
-        return force_channels(self.scene)
-
-    @cached_property
-    def friction(self) -> tuple[str, ...]:
-        """The channels of its friction."""
-        return friction_channels(self.scene)
-
-    @cached_property
-    def units(self) -> Mapping[str, str]:
-        """By channel its unit, in the order of the files."""
-        return {channel: UNITS[quantity(channel)] for channel in channels(self.scene)}
-
-    @cached_property
-    def groups(self) -> Mapping[str, str]:
-        """By channel the group in which it is judged; all but the time."""
-        return {channel: GROUPS[quantity(channel)] for channel in self.units if channel != "time"}
 
     @cached_property
     def constraints(self) -> Constraints:
@@ -105,15 +76,6 @@ class Mechanics:
         """By force channel what one newton is there: 1 N, or its moment at an arm of the largest length, N m."""
         one = {"N": 1.0, "N*m": self.size}
         return {channel: one[self.units[channel]] for channel in self.forces}
-
-    @cached_property
-    def along_guides(self) -> Mapping[str, tuple[str, ...]]:
-        """By body that slides its moving points, and those of the body that it slides on."""
-        bodies, moving = self.scene.bodies, {*self.scene.moving_points}
-        return {
-            name: tuple(p for each in (name, slide.on) if each in bodies for p in bodies[each].points if p in moving)
-            for name, slide in self.scene.slides.items()
-        }
 
     @cached_property
     def neighbours(self) -> tuple[registry.Solve, ...]:

@@ -16,6 +16,7 @@ import numpy as np
 from scenes import Motion
 from scenes.model.motion import Samples
 
+from .bodies import inertia
 from .constraints import ClosedPoses, Matrices, planes
 from .elements import applied
 from .friction import by_law
@@ -101,7 +102,7 @@ def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
     for body in mechanics.scene.bodies.values():
         first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
         force, alpha = (body.mass or 0.0) * acceleration, state.angle(body.name, "alpha")
-        moment = mechanics.inertia[body.name] * alpha + ((com - first).conjugate() * force).imag
+        moment = inertia(body) * alpha + ((com - first).conjugate() * force).imag
         for push in applied(state, body):
             force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag - push.moment
         needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]

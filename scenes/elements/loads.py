@@ -26,6 +26,7 @@ class Force:
     at: str
     force: ForceVector  # N
     frame: Frame = "ground"
+    table = None  # as of all that do not follow one
 
     @property
     def kind(self) -> str:
@@ -46,6 +47,7 @@ class PressForce:
     force: ForceVector  # N, ground frame
     last: Length  # m
     closing: int  # the sign of the displacement's rate while the slider closes
+    table = None
     kind = "press forces"
 
     def acts(self, displacement: Any, velocity: Any, end: float) -> NDArray[np.bool_]:

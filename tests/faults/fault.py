@@ -8,12 +8,13 @@ from zlib import crc32
 
 import numpy as np
 
-from compare.judge.canaries.thinned import CleanRun
+from compare.engines.runner import Run
 from compare.judge.causes.cause import stem
 from compare.mechanics.mechanics import GROUPS
 from compare.mechanics.motion_vectors import MotionVectors
+from compare.mechanics.reference import Reference
 from compare.mechanics.scales import apart, sizes
-from scenes import Motion, Scene, Settings
+from scenes import Motion, Sampling, Scene, Settings
 from scenes.model.motion import Samples, quantity
 
 Item = TypeVar("Item")
@@ -37,8 +38,39 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Clean(CleanRun):
-    """A clean run, and what of it can be spoilt."""
+class Clean:
+    """An engine's run with nothing wrong in it, and what of it can be spoilt."""
+
+    reference: Reference
+    sampling: Sampling
+    run: Run
+
+    @property
+    def scene(self) -> Scene:
+        """The scene solved."""
+        return self.reference.scene
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The motion, every channel."""
+        assert self.run.motion is not None
+        return self.run.motion
+
+    @cached_property
+    def true(self) -> Motion:
+        """What it should be."""
+        return self.reference.at(self.sampling.commanded(self.scene), self.sampling.times(self.scene))
+
+    @property
+    def promise(self) -> float:
+        """The largest relative error that the settings promise."""
+        assert self.run.settings is not None
+        return self.run.settings.promise
+
+    @property
+    def drive(self) -> str:
+        """The channel of the drive's position."""
+        return self.scene.drive_channel
 
     @cached_property
     def state(self) -> MotionVectors:

@@ -7,7 +7,6 @@ from typing import Any
 
 from compare.judge.causes.cause import Kind
 from compare.judge.causes.scene_numbers import load_place
-from compare.mechanics.elements import table_of
 from scenes.elements.tables import COLUMN
 from scenes.fields import put
 from scenes.scene import Force, GuideForce, Load, Moment, TableForce
@@ -59,7 +58,7 @@ def _others(clean: Clean, load: Any) -> Iterator[tuple[str, float, Load]]:
     if isinstance(load, GuideForce) and load.force is not None and (slide := bodies[load.body].slide):
         force = load.force * slide.along[0], load.force * slide.along[1]
         yield "a guide's force without reaction", 1, Force(load.body, load.at, force, "body")
-    if (table := table_of(load)) is not None:
+    if (table := load.table) is not None:
         column, width = COLUMN[table.over], table.arguments[-1] - table.arguments[0]
         for by in (0.1, 0.01):
             shifted: Any = {column: tuple(x + by * width for x in table.arguments)}

@@ -1,13 +1,13 @@
 """An ok run at a few rows of its first cycle, and what has to be noticed when a copy of it is wrong."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes import Failure, Motion, Sampling, Status
 from scenes.model.motion import Samples, channels, force_channels, quantity
 
 from ...engines.runner import Run, complete
@@ -35,54 +35,22 @@ MUCH = 0.5  # of that: what a balance finds then
 ARMS = 100.0  # sizes of the linkage: further off no centre of mass is
 
 
-@dataclass(frozen=True)
-class CleanRun:
-    """An engine's run with nothing wrong in it."""
+class Thinned:
+    """An engine's ok run at a few rows."""
 
-    reference: Reference
-    sampling: Sampling
-    run: Run
-
-    @property
-    def scene(self) -> Scene:
-        """The scene solved."""
-        return self.reference.scene
-
-    @cached_property
-    def motion(self) -> Motion:
-        """The motion, every channel."""
-        assert self.run.motion is not None
-        return self.run.motion
-
-    @cached_property
-    def true(self) -> Motion:
-        """What it should be."""
-        return self.reference.at(self.sampling.commanded(self.scene), self.sampling.times(self.scene))
-
-    @property
-    def promise(self) -> float:
-        """The largest relative error that the settings promise."""
-        assert self.run.settings is not None
-        return self.run.settings.promise
-
-    @property
-    def drive(self) -> str:
-        """The channel of the drive's position."""
-        return self.scene.drive_channel
-
-
-@dataclass(frozen=True)
-class Thinned(CleanRun):
-    """One ok run at a few rows."""
-
-    explained: Explained
+    def __init__(self, reference: Reference, sampling: Sampling, run: Run, explained: Explained) -> None:
+        assert run.motion is not None
+        assert run.settings is not None
+        self.reference, self.sampling, self.run, self.explained = reference, sampling, run, explained
+        self.scene, self.motion, self.settings = reference.scene, run.motion, run.settings
+        self.true = reference.at(sampling.commanded(self.scene), sampling.times(self.scene))  # what it should be
+        self.drive = self.scene.drive_channel
 
     def excess(self, times: float) -> Mapping[str, Samples]:
         """Relative errors that are so many times what the run may have, by channel, each of shape (n,)."""
-        assert self.run.settings is not None
-        drive, scaled = self.run.settings.drive_promise, self.reference.scale.keys() - {"time"}
+        promise, scaled = self.settings.promise, self.reference.scale.keys() - {"time"}
         return {
-            channel: min(times * (drive if channel == self.drive else self.promise), MOST)
+            channel: min(times * (self.settings.drive_promise if channel == self.drive else promise), MOST)
             + np.nan_to_num(self.rounding[channel], posinf=0.0)
             for channel in self.motion.samples
             if channel in scaled
@@ -171,8 +139,7 @@ def stops_without_a_motion(copy: Thinned) -> bool:
 
 def each_check_alone(sign: int, copy: Thinned) -> bool:
     """Whether checks notice by themselves that all channels are off, that they found no number, or too much."""
-    scene, settings = copy.scene, copy.run.settings
-    assert settings is not None
+    scene, settings = copy.scene, copy.settings
     measured = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
     names = {"drive", "closure", "branch", *shown_groups(scene), *(BALANCES if scene.has_masses else ())}
     alone = {name: [check for check in measured.checks if check.check == name] for name in names}

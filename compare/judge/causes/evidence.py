@@ -5,7 +5,7 @@ distance from what it should be, is 0 for a cause that explains all and 1 for on
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -44,50 +44,22 @@ class Hypothesis(NamedTuple):
     freedom: int = 0  # numbers that were fitted
 
 
-@dataclass(frozen=True)
 class Evidence:
-    """A motion and what it should be, at some rows of it."""
+    """A motion, as the engine returned it, and what it should be, at some rows of it."""
 
-    reference: Reference
-    motion: Motion  # as the engine returned it
-    true: Motion  # at the rows
-    rows: NDArray[np.intp]
-    _late: dict[float, Channels] = field(default_factory=dict, init=False)
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """The channels that are compared."""
-        return tuple(c for c in self.motion.samples if c != "time" and c in self.reference.scale and c in self.true)
-
-    @cached_property
-    def given(self) -> Motion:
-        """The motion at the rows."""
-        return Motion({channel: samples[self.rows] for channel, samples in self.motion.samples.items()})
-
-    @cached_property
-    def scale(self) -> dict[str, Samples]:
-        """What the deviation of each channel is divided by: its scale, or its magnitude where that is larger."""
-        return {channel: sizes(self.true, channel, self.reference.scale[channel]) for channel in self.names}
-
-    @cached_property
-    def deviation(self) -> dict[str, Samples]:
-        """By how much each channel is more than it should be, over its scale."""
-        return {c: self.difference(c, self.true[c]) for c in self.names}
-
-    @cached_property
-    def off(self) -> dict[str, float]:
-        """The square of each channel's deviation, summed over the rows."""
-        return {c: float(np.sum(own**2)) for c, own in self.deviation.items()}
-
-    @cached_property
-    def by_row(self) -> Samples:
-        """The same row by row, summed over the channels."""
-        return np.asarray(np.sum([own**2 for own in self.deviation.values()], axis=0))
-
-    @cached_property
-    def total(self) -> float:
-        """The square of the whole deviation."""
-        return sum(self.off.values())
+    def __init__(self, reference: Reference, motion: Motion, true: Motion, rows: NDArray[np.intp]) -> None:
+        self.reference, self.motion, self.rows = reference, motion, rows
+        self.true, self.given = true, Motion({c: samples[rows] for c, samples in motion.samples.items()})  # at the rows
+        compared = (c for c in motion.samples if c != "time" and c in reference.scale and c in true)
+        self.names = tuple(compared)  # the channels that are compared
+        # What the deviation of each channel is divided by: its scale, or its magnitude where that is larger.
+        self.scale = {c: sizes(true, c, reference.scale[c]) for c in self.names}
+        self.deviation = {c: self.difference(c, true[c]) for c in self.names}  # more than it should be
+        squares = {c: own**2 for c, own in self.deviation.items()}
+        self.off = {c: float(np.sum(own)) for c, own in squares.items()}  # summed over the rows
+        self.by_row = np.asarray(np.sum([*squares.values()], axis=0))  # summed over the channels
+        self.total = sum(self.off.values())  # the square of the whole deviation
+        self._late: dict[float, Channels] = {}
 
     @cached_property
     def of_forces(self) -> bool:
@@ -138,7 +110,7 @@ class Evidence:
     def at(self, kept: NDArray[np.intp]) -> "Evidence":
         """Return the evidence at some of its rows."""
         true = Motion({channel: samples[kept] for channel, samples in self.true.samples.items()})
-        return replace(self, true=true, rows=self.rows[kept])
+        return Evidence(self.reference, self.motion, true, self.rows[kept])
 
     def with_amounts(self, cause: Cause, *changes: Channels) -> Hypothesis:
         """Return a cause with the amounts of changes that leave least over, and the channels with them."""

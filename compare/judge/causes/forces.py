@@ -15,19 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
+from scenes.elements.friction import Friction, PinFriction
+from scenes.elements.loads import Force, ForceTable, GuideForce, Load, Moment, TableForce
+from scenes.elements.springs import TorsionSpring
 from scenes.model.motion import Samples, force_channels, friction_channels
-from scenes.scene import (
-    GROUND,
-    Force,
-    ForceTable,
-    Friction,
-    GuideForce,
-    Load,
-    Moment,
-    PinFriction,
-    TableForce,
-    TorsionSpring,
-)
+from scenes.scene import GROUND
 
 from ...mechanics.bodies import weights
 from ...mechanics.elements import Element, of_element

@@ -15,7 +15,6 @@ from scenes.model.motion import Samples
 from scenes.scene import DrawnBody
 
 from ...mechanics.bodies import first_point, weights
-from ...mechanics.elements import table_of
 from ...mechanics.reference import Reference
 from .cause import Cause, Kind
 
@@ -110,9 +109,8 @@ def _of_forces(scene: Scene) -> Iterator[Numbers]:
     """Yield loads and springs; the moments of one that twists are linear in its angle too."""
     linear = partial(Numbers, linear=True)
     for number, load in enumerate(scene.loads):
-        at, place, what = f"loads.{number}", load_place(load), load_name(load)
+        at, place, what, table = f"loads.{number}", load_place(load), load_name(load), load.table
         cause = Cause(Kind.load, place, f"{what} is {{percent}}")
-        table = table_of(load)
         if table is not None:
             rows = {f"{at}.table.{row}": value for row, value in enumerate(table.values)}
             yield linear(cause, ({f"{row}.1": value for row, value in rows.items()},))

@@ -106,7 +106,7 @@ def _of_slider(
     scene: Scene, by_kind: Mapping[str, CycleCurve], motion: Motion, *, exact: bool
 ) -> Iterator[CycleNumber]:
     """Yield the stroke, its ends, for how long the slider is near the closed one, and the quick return."""
-    curve, way = by_kind["displacement"], Stroke(scene, motion, by_kind, exact)
+    curve, way = by_kind["displacement"], Stroke(scene, motion, by_kind, exact=exact)
     yield CycleNumber(STROKE, curve, way.length, "m", way.length, kind=STROKE)
     end, dwell = "dead point" if scene.drive.repeats else "end", way.dwell
     yield CycleNumber(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed, CLOSED)

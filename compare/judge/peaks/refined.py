@@ -7,7 +7,6 @@ is a parabola: there so many samples are taken that one of them is near whatever
 
 from collections.abc import Callable, Iterator, Sequence
 from math import pi
-from typing import TypeAlias
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, MotionLaw, PressForce, SegmentedLaw
 
-from ...mechanics.elements import argument, table_of
+from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
@@ -25,10 +24,6 @@ FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme
 ROUNDS_TO_JUMP = 5  # where press forces act: to 1e-5 of the cycle's own steps
 NEXT_TO_HIGHEST = 0.01  # of a quantity's range: how far below its largest sample that next to its highest peak may be
 AHEAD = 4  # steps beyond three samples: how far a parabola is followed
-
-MotionAtTimes: TypeAlias = Callable[[Samples], Motion]  # of instants, s, of shape (..., k)
-Levels: TypeAlias = Callable[[Motion], Sequence[Samples]]
-Switches: TypeAlias = Callable[[Motion, Samples], Samples]
 
 
 def jumps(scene: Scene) -> bool:
@@ -57,24 +52,25 @@ def needed(scene: Scene) -> Iterator[str]:
 
 
 def _tables(scene: Scene) -> list[tuple[str, LoadCurve]]:
-    return [(load.body, table) for load in scene.loads if (table := table_of(load)) is not None]
+    return [(load.body, load.table) for load in scene.loads if load.table is not None]
 
 
 def refined(
     followed: Sequence[CycleCurve],
     cycle: Motion,
-    solve: MotionAtTimes,
+    solve: Callable[[Samples], Motion],
     *,
     repeats: bool,
-    bends: Levels = lambda _: [],
-    switches: Switches | None = None,
+    bends: Callable[[Motion], Sequence[Samples]],
+    switches: Callable[[Motion, Samples], Samples] | None,
 ) -> Motion:
     """A cycle with samples added, in the order of the time, as far as the linkage closes there.
 
-    It comes in samples of shape (..., n) at equal steps of the time, from zero, both ends included. Where another cycle
-    follows, an extreme may be on both sides of the end. Where one of `bends` is zero a sample is added: an extreme may
-    be a corner. Or where forces may jump, `switches` are the instants near which press forces come or go,
-    of a motion in the order of the time, where its samples are not further apart than a step, s.
+    It comes in samples of shape (..., n) at equal steps of the time, from zero, both ends included; `solve` has others,
+    at instants, s, of shape (..., k). Where another cycle follows, an extreme may be on both sides of the end. Where
+    one of `bends` is zero a sample is added: an extreme may be a corner. Or where forces may jump, `switches` are the
+    instants near which press forces come or go, of a motion in the order of the time, where its samples are not
+    further apart than a step, s.
     """
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if switches else 1  # samples on either side of a place

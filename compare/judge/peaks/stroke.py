@@ -1,7 +1,6 @@
 """A slider's stroke over one cycle: its ends, for how long it is near the closed one, and the quick return."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from math import nan
 from typing import Any, NamedTuple, TypeAlias
@@ -14,7 +13,6 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import Load, PressForce, Slide, TableForce
 
-from ...mechanics.elements import table_of
 from ...mechanics.motion_vectors import quintic
 from ...mechanics.scales import chord
 from .curves import CycleCurve, Values
@@ -35,57 +33,22 @@ class Ends(NamedTuple):
     speed: Samples  # m/s, there
 
 
-@dataclass(frozen=True)
 class Stroke:
     """The way of a slider; samples of shape (..., n) in the order of the time, from one end of the cycle to the other.
 
-    Its positions between the samples are by straight lines, or where velocity and acceleration are theirs, by quintics.
+    Its positions between the samples are by straight lines, or by quintics where the rates are exactly theirs.
     """
 
-    scene: Scene
-    motion: Motion
-    by_kind: Mapping[str, CycleCurve]
-    exact: bool  # whether the rates are those of the positions
-
-    @cached_property
-    def place(self) -> Samples:
-        """The displacement, m."""
-        return self.by_kind["displacement"].values(self.motion)
-
-    @cached_property
-    def closing(self) -> int:
-        """The sign of the slider's velocity while it closes: against its first load, or else downwards."""
-        guided = self.scene.guided(self.scene.output)
-        assert guided is not None
-        name, slide = guided
-        for load in (load for load in self.scene.loads if load.body == name):
-            if isinstance(load, PressForce):
-                return load.closing
-            push = _push(load, slide)
-            if push != 0:
-                return -1 if push > 0 else 1
-        return -1 if slide.along[1] >= 0 else 1
-
-    @cached_property
-    def closed(self) -> RowNumbers:
-        """Where the closing stroke ends, shape (...)."""
-        return np.asarray((self.closing * self.place).argmax(axis=-1))
-
-    @cached_property
-    def opened(self) -> RowNumbers:
-        """Where the return ends, shape (...)."""
-        return np.asarray((self.closing * self.place).argmin(axis=-1))
-
-    @cached_property
-    def length(self) -> Samples:
-        """The stroke, m, shape (...)."""
-        return np.asarray(np.abs(at(self.place, self.closed) - at(self.place, self.opened)))
-
-    @cached_property
-    def _away(self) -> Samples:
-        """How much further from the closed end than `DWELLING` it is, m."""
-        way = np.abs(self.place - at(self.place, self.closed)[..., np.newaxis])
-        return np.asarray(way - DWELLING * self.length[..., np.newaxis])
+    def __init__(self, scene: Scene, motion: Motion, by_kind: Mapping[str, CycleCurve], *, exact: bool) -> None:
+        self.scene, self.motion, self.by_kind, self.exact = scene, motion, by_kind, exact
+        self.place = by_kind["displacement"].values(motion)  # m, along the guide
+        self.closing = _closing(scene)
+        self.closed = np.asarray((self.closing * self.place).argmax(axis=-1))  # where the closing stroke ends
+        self.opened = np.asarray((self.closing * self.place).argmin(axis=-1))  # where the return ends
+        end = at(self.place, self.closed)
+        self.length = np.asarray(np.abs(end - at(self.place, self.opened)))  # the stroke, m, shape (...)
+        way = np.abs(self.place - end[..., np.newaxis])
+        self._away = np.asarray(way - DWELLING * self.length[..., np.newaxis])  # m, from where it is near that end
 
     @cached_property
     def ends(self) -> Ends:
@@ -132,10 +95,23 @@ class Stroke:
         return np.where(turns.sum(axis=-1) == 2, ratio, nan)
 
 
+def _closing(scene: Scene) -> int:
+    """The sign of the output's velocity while it closes: against its first load, or else downwards."""
+    guided = scene.guided(scene.output)
+    assert guided is not None
+    name, slide = guided
+    for load in (load for load in scene.loads if load.body == name):
+        if isinstance(load, PressForce):
+            return load.closing
+        push = _push(load, slide)
+        if push != 0:
+            return -1 if push > 0 else 1
+    return -1 if slide.along[1] >= 0 else 1
+
+
 def _push(load: Load, slide: Slide) -> Any:
     """The largest force of a load along a guide on the ground, N."""
-    table = table_of(load)
-    largest = max(table.values, key=abs) if table is not None else getattr(load, "force", 0.0)
+    largest = max(load.table.values, key=abs) if load.table is not None else getattr(load, "force", 0.0)
     if isinstance(load, TableForce):
         return np.dot(load.direction, slide.along) * largest
     return largest if np.ndim(largest) == 0 else np.dot(largest, slide.along)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import compare
-from compare.judge.agreement import Agreement, Judgement, Word, agreement, worst_error
+from compare.judge.agreement import Agreement, Judgement, Word, worst_error
 from compare.judge.measure import Measurement, measure
 from compare.judge.verdict import sized, within
 from compare.mechanics.mechanics import Mechanics
@@ -61,13 +61,13 @@ def test_they_agree(judge: Judge, reference: Reference) -> None:
         " All 2 tolerances are met."
     )
     assert judged.ok
-    assert judged.agreement == plain(agreement(judged)) == Agreement(Word.agrees, sentence)
+    assert plain(judged.agreement) == Agreement(Word.agrees, sentence)
 
 
 def test_one_that_is_wrong_is_named_with_channel_size_and_cause(judge: Judge, reference: Reference) -> None:
     motion = commanded(reference)
     wrong = {channel: motion[channel] * (1.25 if channel.startswith("P3.f") else 1.0) for channel in motion.samples}
-    verdict = plain(agreement(judge(Motion(wrong))))
+    verdict = plain(judge(Motion(wrong)).agreement)
     assert verdict.word is Word.disagrees
     assert verdict.sentence.startswith("stub disagrees with the closed form by 25 % in P3.fx; likely cause: ")
 
@@ -76,14 +76,14 @@ def test_one_that_is_wrong_is_named_with_channel_size_and_cause(judge: Judge, re
 def test_a_cause_is_there_whatever_its_body_is_called(judge: Judge, reference: Reference, name: str) -> None:
     judged = judge(changed(commanded(reference), "P3.fx", 0.3 * reference.scale["P3.fx"]))
     vars(judged)["causes"] = {"stub": f"stub: {name}'s mass is 12 % too large"}
-    assert agreement(judged).sentence.endswith(f"; likely cause: {name}'s mass is 12 % too large.")
+    assert judged.agreement.sentence.endswith(f"; likely cause: {name}'s mass is 12 % too large.")
 
 
 def test_a_missed_tolerance_is_a_disagreement(judge: Judge, reference: Reference) -> None:
     off = changed(commanded(reference), "P3.fx", 2e-3 * reference.scale["P3.fx"])
     judged = judge(off, reaction=1e-3)
     assert judged.verdicts["stub"][0] == "ok"
-    verdict = plain(agreement(judged))
+    verdict = plain(judged.agreement)
     assert verdict.word is Word.disagrees
     assert verdict.sentence.startswith("stub misses its reaction tolerance: off by 0.2 % in P3.fx")
 
@@ -98,7 +98,7 @@ def test_a_missed_tolerance_is_a_disagreement(judge: Judge, reference: Reference
     ],
 )
 def test_one_that_did_not_solve_it_leaves_a_part(judge: Judge, status: Status, why: str) -> None:
-    verdict = plain(agreement(judge(Failure(status, "1e-300 too few"))))
+    verdict = plain(judge(Failure(status, "1e-300 too few")).agreement)
     assert verdict.word is Word.in_part
     assert verdict.sentence.startswith("exudyn agrees with the closed form to ")
     assert verdict.sentence.endswith(why)
@@ -106,19 +106,19 @@ def test_one_that_did_not_solve_it_leaves_a_part(judge: Judge, status: Status, w
 
 def test_without_another_engine_nothing_agrees(judge: Judge, reference: Reference) -> None:
     refused = Failure(Status.unsupported, "no")
-    verdict = plain(agreement(judge(refused, ("analytic", "stub"))))
+    verdict = plain(judge(refused, ("analytic", "stub")).agreement)
     assert verdict.word is Word.not_solved
     assert verdict.sentence.startswith("stub cannot model this scene; nothing else checks it")
     alone = judge(refused, ("analytic",))
-    assert plain(agreement(alone)).word is Word.in_part  # by arbitrary precision
+    assert plain(alone.agreement).word is Word.in_part  # by arbitrary precision
     unchecked = replace(alone, reference=replace(reference, floor=Floor({}, "not certified")))
-    assert plain(agreement(unchecked)).word is Word.not_solved
+    assert plain(unchecked.agreement).word is Word.not_solved
 
 
 def test_a_reference_in_doubt_is_a_disagreement(judge: Judge, reference: Reference) -> None:
     judged = judge(commanded(reference))
     doubted = replace(reference, floor=replace(reference.floor, doubt="the core alone differs, suspect the core: 1e-3"))
-    verdict = plain(agreement(replace(judged, reference=doubted)))
+    verdict = plain(replace(judged, reference=doubted).agreement)
     expected = "The closed form is not to be believed: the core alone differs, suspect the core."
     assert verdict == Agreement(Word.disagrees, expected)
 
@@ -127,7 +127,7 @@ def test_a_fault_let_through_is_no_agreement(judge: Judge, reference: Reference)
     judged = judge(commanded(reference))
     judged.let_through.append("P3.fx spoilt by 1e-3 is seen by no check")
     assert not judged.ok
-    assert plain(agreement(judged)).word is Word.in_part
+    assert plain(judged.agreement).word is Word.in_part
 
 
 def test_what_is_no_number_is_not_shown_as_one(judge: Judge, reference: Reference) -> None:
@@ -135,7 +135,7 @@ def test_what_is_no_number_is_not_shown_as_one(judge: Judge, reference: Referenc
     measured = judged.measurements[2]
     bad = replace(measured, run=replace(measured.run, status=Status.inconsistent))
     bad = replace(bad, errors=[row._replace(max=np.nan) for row in bad.errors])
-    verdict = plain(agreement(replace(judged, measurements=[*judged.measurements[:2], bad])))
+    verdict = plain(replace(judged, measurements=[*judged.measurements[:2], bad]).agreement)
     assert verdict.word is Word.disagrees
     assert verdict.sentence.startswith("stub disagrees with the closed form in ")
 
@@ -170,11 +170,11 @@ def test_what_no_other_engine_gives_is_not_confirmed(judge: Judge, reference: Re
     motion = commanded(reference)
     given = {channel: values for channel, values in motion.samples.items() if quantity(channel) not in ("fx", "fy")}
     points = Motion(given, dict.fromkeys(motion.samples.keys() - given.keys(), "it finds no forces"))
-    verdict = plain(agreement(judge(points, ("analytic", "stub"))))
+    verdict = plain(judge(points, ("analytic", "stub")).agreement)
     assert verdict.word is Word.in_part
     assert verdict.sentence.startswith("stub agrees with the closed form to 14 digits in every channel that it gives; ")
     assert verdict.sentence.endswith(" No other engine that is ok gives O.fx, among others.")
-    both = plain(agreement(judge(points)))
+    both = plain(judge(points).agreement)
     assert both.word is Word.agrees
     assert both.sentence.startswith("exudyn and stub agree with the closed form to ")
     assert "in every channel that each gives; " in both.sentence
