@@ -38,7 +38,7 @@ def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any
     assert isinstance(load, PlainLoad)
     displacement, velocity = slid(load.body)
     if isinstance(load, ForceTable):
-        return complex(*scene.slides[load.body].along) * load.along(displacement)
+        return complex(*scene.slides[load.body].along) * load.table.at(displacement)
     return load.acts(displacement, velocity, end) * complex(*load.force)
 
 
