@@ -18,12 +18,11 @@ import numpy as np
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
 from scenes import Scene
+from scenes.elements.loads import PlainLoad
 from scenes.model.motion import force_channels, kinematic_channels
-from scenes.scene import GROUND, Force, ForceTable, Load, PlainLoad, Spring
+from scenes.scene import GROUND, Force, ForceTable, Load, Spring
 
 from ..coordinates.bodies import framed_body, linkage_size
-
-TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by +90 degrees
 
 
 class SymbolicLinkage:
@@ -76,8 +75,8 @@ class SymbolicLinkage:
     def slid(self, body: str, *, across: bool = False) -> Any:
         """Return where a slider's first point is from `through`, along its guide or across it, m."""
         slide = self.scene.slides[body]
-        along = vertcat(*slide.along)
-        axis = self.turned(slide.on, casadi.vertsplit(casadi.mtimes(TURNED, along) if across else along))
+        x, y = slide.along
+        axis = self.turned(slide.on, (-y, x) if across else (x, y))
         way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
         return casadi.dot(axis, way)
 

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.elements.loads import PlainLoad
 from scenes.model.motion import Samples
-from scenes.scene import Force, ForceTable, Load, PlainLoad, Spring
+from scenes.scene import Force, ForceTable, Load, Spring
 
 from .bodies import End
 
