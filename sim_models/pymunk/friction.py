@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import Friction, GuideFriction, PinFriction
 
-from .constraints import LinkageConstraints, PoseArray, blocks, determinant_sign, planes, solved, with_ground
+from .constraints import LinkageConstraints, PoseArray, blocks, determinant_sign, solved, with_ground
 from .start import closed
 
 SMALLEST_STEP = 1e-7  # of the factor; what takes a smaller one jams
@@ -89,16 +89,11 @@ def _solved(
 def directions(linkage: LinkageConstraints, q: PoseArray) -> PoseArray:
     """What a friction of 1 N m or 1 N does on all bodies, shape (n, frictions, bodies, 3)."""
     scene, index = linkage.scene, linkage.index
-    z, turn = planes(with_ground(q))
+    slid = linkage.slide_gradients(with_ground(q)).real
     d = np.zeros((len(q), len(scene.friction), len(index), 3))
     for number, one in enumerate(scene.friction):
         if isinstance(one, GuideFriction):
-            slide, i = linkage.slides[one.slider], index[one.slider]
-            on = index[slide.on]
-            along, first = complex(*slide.along) * turn[:, on], z[:, i] + linkage.first_arm(one.slider) * turn[:, i]
-            for body, sign in ((i, 1), (on, -1)):
-                moment = (np.conj(first - z[:, body]) * along).imag
-                d[:, number, body] = sign * np.stack([along.real, along.imag, moment], axis=1)
+            d[:, number] = slid[:, [*linkage.slides].index(one.slider)]
         else:
             pin = one.pin(scene)
             d[:, number, index[pin.second], 2], d[:, number, index[pin.first], 2] = 1, -1
