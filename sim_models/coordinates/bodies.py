@@ -46,9 +46,7 @@ class MovingBody(NamedTuple):
 
     def at(self, arm: Any) -> tuple[Any, Any, Any]:
         """Return place, velocity and acceleration."""
-        way = self.turn * arm
-        turning = 1j * self.alpha - self.omega**2
-        return self.origin + way, self.velocity + 1j * self.omega * way, self.acceleration + turning * way
+        return self.place(arm), self.moves(arm), self.accelerates(arm)
 
     @property
     def turning(self) -> tuple[Any, Any, Any]:

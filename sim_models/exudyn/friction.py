@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from scenes import Failure, Status
 from scenes.elements.friction import PinFriction
+from scenes.model.motion import friction_channels
 from scenes.scene import GROUND
 
 from .channels import forces, kinematics
@@ -53,9 +54,8 @@ class JointFriction:
         given = q, multipliers, positions, rates
         found = [self._at(*(values[rows] for values in given)) for rows in blocks(q)]
         loaded, acting, slip = map(np.concatenate, zip(*found, strict=True))
-        channels = [one.channel(self._scene) for one in self._scene.friction]
         power = (acting * slip).sum(axis=1)
-        return loaded, dict(zip([*channels, "friction.power"], [*acting.T, power], strict=True))
+        return loaded, dict(zip(friction_channels(self._scene), [*acting.T, power], strict=True))
 
     def _at(self, q: Array, multipliers: Array, positions: Array, rates: Array) -> tuple[Array, Array, Array]:
         """The multipliers with friction, what it does, shape (n, joints), and the joints' rates."""
