@@ -1,4 +1,4 @@
-"""The geometry and inertia of one body, by formulas that take symbols for numbers, so none branches; and its motion."""
+"""The geometry and inertia of one body, and its motion."""
 
 from collections.abc import Mapping
 from itertools import combinations
@@ -89,7 +89,7 @@ def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]
     squared = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c)  # 16 times that of the area
     A, B, C = (scene.drawn[name] for name in (*base, apex))
     side = ((B - A).conjugate() * (C - A)).imag
-    if side == 0 or (isinstance(squared, float) and not squared > 0):
+    if side == 0 or not squared > 0:
         why = "do not meet" if side else "are on no side of it: the sketch shows them on one line"
         reason = f"the lengths of '{body.name}' from {base[0]} and {base[1]} to {apex} {why}"
         raise Failure(Status.cannot_assemble, reason)
