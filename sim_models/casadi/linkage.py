@@ -108,7 +108,6 @@ class SymbolicLinkage:
         return SX.sym("end", len(self.scene.loads))
 
     def _force(self, number: int, load: Load) -> Any:
-        """Return the force of a load, N."""
         if isinstance(load, Force):
             return vertcat(*load.force)
         assert isinstance(load, PlainLoad)

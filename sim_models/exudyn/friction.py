@@ -71,7 +71,6 @@ class JointFriction:
         return multipliers + np.einsum("nj,njc->nc", coulomb, change), viscous + coulomb, slip
 
     def _senses(self, q: Array, v: Array, slip: Array) -> Array:
-        """The sense s of every joint's rate."""
         points, turning = self._scene.moving_points, self._scene.turning
         names = [*(f"{point}.v{axis}" for point in points for axis in "xy"), *(f"{body}.omega" for body in turning)]
         found = kinematics(self._poses.system, set(names), q, v)

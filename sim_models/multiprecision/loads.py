@@ -100,7 +100,6 @@ def _turning(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitF
 
 
 def _size(linkage: LinkageEquations, load: Load) -> Size:
-    """Return the size of a load, constant or by its table."""
     if isinstance(load, Force | PressForce) or (table := load.table) is None:
         size = arb(load.moment if isinstance(load, Moment) else load.force if isinstance(load, GuideForce) else 1)
         return lambda _q, _time: size

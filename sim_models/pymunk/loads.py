@@ -117,7 +117,6 @@ def _sized(linkage: LinkageConstraints, load: TabledLoad, constant: float | None
 
 
 def _moment(r: PlaneVector, force: PlaneVector) -> Any:
-    """The moment of a force at the arm r."""
     return (r.conjugate() * force).imag
 
 
