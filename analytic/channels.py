@@ -37,10 +37,10 @@ def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple
         yield (f"{body}.omega",), partial(lambda body, k, _: k.omega[body], body)
         yield (f"{body}.alpha",), partial(lambda body, k, _: k.alpha[body], body)
     if scene.has_masses:
-        for name in (name for name, body in scene.bodies.items() if body.slide is not None):
+        for name in scene.slides:
             for part, q in enumerate(("force", "moment")):
                 yield (f"{name}.guide_{q}",), partial(lambda name, part, _, on: on.guide[name][part], name, part)
-        yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
+        yield (scene.effort_channel,), lambda _, on: on.effort
         for name in friction_channels(scene):
             yield (name,), partial(lambda name, _, on: on.friction[name], name)
     for group in groups:

@@ -23,21 +23,11 @@
 | ladder, rung | a hard case: a scene with one number that gets harder from rung to rung |
 """
 
-from .errors import InputError as InputError
-from .file.reader import load as load
-from .file.reader import numbers_in as numbers_in
-from .file.reader import shipped as shipped
-from .file.reader import write_starter as write_starter
-from .model.engine import Engine as Engine
-from .model.engine import Failure as Failure
-from .model.engine import ProcessorBudget as ProcessorBudget
-from .model.engine import Settings as Settings
-from .model.engine import Simulation as Simulation
-from .model.engine import Status as Status
-from .model.motion import Instants as Instants
-from .model.motion import Motion as Motion
-from .model.motion import Positions as Positions
-from .model.motion import Request as Request
-from .model.motion import Rows as Rows
-from .model.motion import Sampling as Sampling
-from .scene import Scene as Scene
+from .errors import InputError
+from .file.reader import load, numbers_in, shipped, write_starter
+from .model.engine import Engine, Failure, ProcessorBudget, Settings, Simulation, Status
+from .model.motion import Instants, Motion, Positions, Request, Rows, Sampling
+from .scene import Scene
+
+__all__ = ["Engine", "Failure", "InputError", "Instants", "Motion", "Positions", "ProcessorBudget", "Request", "Rows"]
+__all__ += ["Sampling", "Scene", "Settings", "Simulation", "Status", "load", "numbers_in", "shipped", "write_starter"]

@@ -13,31 +13,17 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from .bodies import GROUND as GROUND
-from .bodies import Body as Body
-from .bodies import DrawnBody as DrawnBody
-from .bodies import Slide as Slide
-from .drive import ConstantSpeed as ConstantSpeed
-from .drive import Drive as Drive
-from .drive import HarmonicLaw as HarmonicLaw
-from .drive import MotionLaw as MotionLaw
-from .drive import SegmentedLaw as SegmentedLaw
-from .elements.friction import Friction as Friction
-from .elements.friction import GuideFriction as GuideFriction
-from .elements.friction import PinFriction as PinFriction
-from .elements.loads import Force as Force
-from .elements.loads import ForceTable as ForceTable
-from .elements.loads import GuideForce as GuideForce
-from .elements.loads import Load as Load
-from .elements.loads import Moment as Moment
-from .elements.loads import PlainLoad as PlainLoad
-from .elements.loads import PressForce as PressForce
-from .elements.loads import TableForce as TableForce
-from .elements.loads import closing_sense
-from .elements.springs import Spring as Spring
-from .elements.springs import TorsionSpring as TorsionSpring
-from .fields import Gravity, Number, Place, Position, put, walk
-from .fields import Vector as Vector
+from .bodies import GROUND, Body, DrawnBody, Slide
+from .drive import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
+from .elements.friction import Friction, GuideFriction, PinFriction
+from .elements.loads import Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
+from .elements.springs import Spring, TorsionSpring
+from .fields import Gravity, Number, Place, Position, Vector, put, walk
+
+__all__ = ["GROUND", "Body", "DrawnBody", "Pin", "Scene", "Sketch", "Slide", "Variation", "Vector"]
+__all__ += ["ConstantSpeed", "Drive", "HarmonicLaw", "MotionLaw", "SegmentedLaw"]
+__all__ += ["Force", "ForceTable", "GuideForce", "Load", "Moment", "PressForce", "TableForce"]
+__all__ += ["Friction", "GuideFriction", "PinFriction", "Spring", "TorsionSpring"]
 
 ELEMENTS = ("loads", "springs", "torsion_springs")  # the lists of what acts on the bodies
 SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
@@ -192,13 +178,10 @@ class Scene:
     @cached_property
     def kinds(self) -> frozenset[str]:
         """The kinds of what acts on the bodies, and of drives that not every engine knows."""
-        moving = self.drive_on != GROUND
-        driven = "drives between moving bodies" if self.driven_slide is None else "cylinders that drive"
-        return frozenset(
-            {element.kind for _, element in self.elements}.union(
-                (one.kind for one in self.friction), [driven] if moving else []
-            )
-        )
+        kinds = {one.kind for one in (*(element for _, element in self.elements), *self.friction)}
+        if self.drive_on != GROUND:
+            kinds.add("drives between moving bodies" if self.driven_slide is None else "cylinders that drive")
+        return frozenset(kinds)
 
     @property
     def driven_slide(self) -> Slide | None:

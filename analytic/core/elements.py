@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
+from scenes.elements.loads import TabledLoad
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce
 from scenes.scene import TorsionSpring as Twist
@@ -67,7 +68,7 @@ class Loading:
         s, ds, _ = self.k.displaced(self.scene, self.scene.bodies[load.body].points[0])
         return load.acts(s, ds, self.given[place])
 
-    def size(self, load: TableForce | GuideForce | Moment, constant: Number = None) -> Number:
+    def size(self, load: TabledLoad, constant: Number = None) -> Number:
         """The number of a load, N or N m, or that of its table."""
         if load.table is None:
             return constant
@@ -96,10 +97,9 @@ def _press_force(load: PressForce, place: str, at: Loading) -> Acting:
 
 @acts.register
 def _guide_force(load: ForceTable | GuideForce, _: str, at: Loading) -> Acting:
-    along, displacement = at.guide(load.body)
-    size = load.along(displacement) if isinstance(load, ForceTable) else at.size(load, load.force)
-    yield load.body, ActingForce(along * size, at.k.z[load.at])
-    yield at.scene.slides[load.body].on, ActingForce(-along * size, at.k.z[load.at])
+    force = at.guide(load.body)[0] * at.size(load, load.force)
+    yield load.body, ActingForce(force, at.k.z[load.at])
+    yield at.scene.slides[load.body].on, ActingForce(-force, at.k.z[load.at])
 
 
 @acts.register

@@ -76,7 +76,7 @@ class Pass(MovingLegs):
         k = self.k
         k.z[first] = (driver.G + driver.t * driven.position).astype(self.complex)
         k.v[first], k.a[first] = ((driver.t * rate).astype(self.complex) for rate in spin)
-        self.place_on_guide(driver, first)
+        self.place_along(driver.body, first, driver.on)
 
     def rrr(self, dyad: InnerPin, one: Pinned, two: Pinned) -> None:
         """Place two bars; P follows from the three sides of their triangle."""
@@ -121,7 +121,7 @@ class Pass(MovingLegs):
             alpha, dds = closing(a - (self.foot_a(bar, p, omega) - omega**2 * p), *closure)
             k.v[P], k.a[P] = samples(base[1] + ds * t), samples(a + dds * t)
             spin = omega, alpha
-        self.place_on_guide(slider, P)
+        self.place_along(slider.body, P, slider.on)
         self.place_bar(bar, P, p, as_vectors(p_t, p_n) * (t / arm), spin)
 
     def prp(self, dyad: InnerPin, one: Guided, two: Guided) -> None:
@@ -133,8 +133,8 @@ class Pass(MovingLegs):
         k.reach[P] = dyad.branch * closure.det
         k.to_lock[P] = self.linkage.arm * k.reach[P]
         k.z[P], k.v[P], k.a[P] = self.crossing(closure, one.on, C1, two.on, C2)
-        self.place_on_guide(one, P)
-        self.place_on_guide(two, P)
+        self.place_along(one.body, P, one.on)
+        self.place_along(two.body, P, two.on)
 
     def rpr(self, dyad: InnerSlide, one: Pinned, two: Pinned) -> None:
         """With w the guide's direction, d = A1 - A2 has the side h across the guide, known, and sigma along it."""
@@ -171,7 +171,7 @@ class Pass(MovingLegs):
         r = k.u[one.on] * (self.linkage.bodies[one.body].first - one.F)
         crossing = self.crossing(closure, one.on, C1, two.body, C2)
         k.z[first], k.v[first], k.a[first] = self.carried(one.on, crossing, r)
-        self.place_on_guide(one, first)
+        self.place_along(one.body, first, one.on)
 
     def larger(self, group: Group) -> None:
         """Place a larger group by Newton's method from the nearest pose of its branch."""

@@ -119,10 +119,6 @@ class Placing:
         dds1, _ = closing(a2 - a1, *closure)
         return one[0], one[1] + ds1 * t1, a1 + dds1 * t1
 
-    def place_on_guide(self, leg: Guided, foot: str) -> None:
-        """Carry a leg's own points along with its placed point `foot`; it turns with what it slides on."""
-        self.place_along(leg.body, foot, leg.on)
-
     def place_along(self, body: str, foot: str, on: str) -> None:
         """Carry the body's own points along with its placed point `foot`; it turns with another."""
         self.place(body, foot, self.k.u[on], (self.k.omega[on], self.k.alpha[on]) if self.rates else None)

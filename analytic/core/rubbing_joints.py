@@ -18,7 +18,6 @@ from .decomposition import Dyad, Leg, members
 from .dyads import dot
 from .elements import ActingForce, Given
 from .friction import Loads, Rubbing
-from .geometry import as_complex
 from .groups.group_equations import Group
 from .jamming import Rows
 from .kinetostatics import Balance, Reactions
@@ -94,10 +93,9 @@ class FrictionBalance(Balance):
         if isinstance(one, PinFriction):
             pin = one.pin(scene)
             return k.omega[pin.second] - k.omega[pin.first], self.fastest[0]
-        at, along = self.guided(one.slider)
-        on = scene.slides[one.slider].on
-        carried = 0.0 if on == GROUND else k.v[k.foot[on]] + 1j * k.omega[on] * (at - k.z[k.foot[on]])
-        return dot(along, k.v[scene.bodies[one.slider].points[0]] - carried), self.fastest[1]
+        first, on = scene.bodies[one.slider].points[0], scene.slides[one.slider].on
+        carried = 0.0 if on == GROUND else k.v[k.foot[on]] + 1j * k.omega[on] * (k.z[first] - k.z[k.foot[on]])
+        return dot(self.guide(one.slider)[0], k.v[first] - carried), self.fastest[1]
 
     @cached_property
     def fastest(self) -> tuple[Samples, Samples]:
@@ -109,11 +107,6 @@ class FrictionBalance(Balance):
             return fastest
         rests = np.abs(self.k.drive) <= AT_REST * self.scene.drive.peak_rate  # and all rates are round-off
         return np.where(rests, np.inf, fastest[0]), np.where(rests, np.inf, fastest[1])
-
-    def guided(self, slider: str) -> tuple[Any, Any]:
-        """A slider's first point, and the direction of its guide in the plane."""
-        slide = self.scene.slides[slider]
-        return self.k.z[self.scene.bodies[slider].points[0]], self.k.u[slide.on] * as_complex(slide.along)
 
     def rubbing(self, one: Friction) -> Rubbing:
         """A friction as it acts at the samples."""
@@ -127,11 +120,9 @@ class FrictionBalance(Balance):
             pin, none = one.pin(self.scene), samples(0j)
             moments = (pin.second, samples(1.0)), (pin.first, samples(-1.0))
             return {body: [ActingForce(none, self.k.z[pin.point], moment)] for body, moment in moments}
-        at, along = self.guided(one.slider)
-        return {
-            one.slider: [ActingForce(along, at)],
-            self.scene.slides[one.slider].on: [ActingForce(-along, at)],
-        }
+        (along, _), first = self.guide(one.slider), self.k.z[self.scene.bodies[one.slider].points[0]]
+        bodies = (one.slider, along), (self.scene.slides[one.slider].on, -along)
+        return {body: [ActingForce(force, first)] for body, force in bodies}
 
     def loads(self, frictions: Sequence[Friction], group: Dyad | Group | Leg, **others: Any) -> list[Any]:
         """The loads X of (1) of `friction` while the group is balanced under other loads."""

@@ -70,22 +70,19 @@ def closing_sense(force: tuple[Any, Any], slide: Slide) -> Any:
 
 @dataclass(frozen=True)
 class ForceTable:
-    """A force along a slider's guide against its displacement: straight lines between the entries, constant beyond."""
+    """The simplest force along a guide: by a table against the slider's displacement, which is constant beyond."""
 
     body: str  # slides on the ground
     at: str
     displacements: tuple[Coordinate, ...] = field(metadata={"path": "table.*.0"})  # m, increasing
     forces: tuple[Newtons, ...] = field(metadata={"path": "table.*.1"})  # N, along `along`
+    force = None
     kind = "force tables"
 
     @cached_property
     def table(self) -> LoadCurve:
         """The forces along the guide against the displacement."""
         return LoadCurve(displacements=self.displacements, forces=self.forces)
-
-    def along(self, displacement: Any) -> Any:
-        """The forces along the guide, N, at displacements of any shape, m."""
-        return self.table.at(displacement)
 
 
 @dataclass(frozen=True)
@@ -130,4 +127,5 @@ class Moment:
 
 
 PlainLoad: TypeAlias = Force | PressForce | ForceTable  # what every engine knows, but for forces that turn
-Load: TypeAlias = PlainLoad | GuideForce | TableForce | Moment
+TabledLoad: TypeAlias = ForceTable | GuideForce | TableForce | Moment  # whose size may be by a table
+Load: TypeAlias = Force | PressForce | TabledLoad

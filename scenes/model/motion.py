@@ -92,8 +92,7 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
     if not scene.has_masses:
         return ()
     pins = tuple(f"{pin.channel}.{q}" for pin in scene.pins for q in ("fx", "fy"))
-    sliding = (body.name for body in scene.bodies.values() if body.slide is not None)
-    guides = (f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment"))
+    guides = (f"{body}.{q}" for body in scene.slides for q in ("guide_force", "guide_moment"))
     return (*pins, *guides, scene.effort_channel)
 
 

@@ -18,23 +18,21 @@ import numpy as np
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
 from scenes import Scene
+from scenes.elements.loads import PlainLoad
 from scenes.model.motion import force_channels, kinematic_channels
-from scenes.scene import GROUND, Force, ForceTable, Load, PlainLoad, Spring
+from scenes.scene import GROUND, Force, ForceTable, Load, Spring
 
 from ..coordinates.bodies import framed_body, linkage_size
 
-TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by +90 degrees
-
 
 class SymbolicLinkage:
-    """The symbols of one scene, whose numbers may be symbols too; nothing is compiled before it is asked for."""
+    """The symbols of one scene; nothing is compiled before it is asked for."""
 
-    def __init__(self, scene: Scene, size: float | None = None) -> None:
-        """Set up the symbols; the size, m, changes nothing but roundings, and is needed where lengths are symbols."""
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.index = {name: number for number, name in enumerate(scene.bodies)}
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
-        self.size = size or linkage_size(scene, self.bodies)
+        self.size = linkage_size(scene, self.bodies)
         self.x, self.v, self.a = (SX.sym(name, 3 * len(self.index)) for name in "xva")
         self.units = np.tile([self.size, self.size, 1.0], len(self.index))
         self._q = self.x * self.units
@@ -76,8 +74,8 @@ class SymbolicLinkage:
     def slid(self, body: str, *, across: bool = False) -> Any:
         """Return where a slider's first point is from `through`, along its guide or across it, m."""
         slide = self.scene.slides[body]
-        along = vertcat(*slide.along)
-        axis = self.turned(slide.on, casadi.vertsplit(casadi.mtimes(TURNED, along) if across else along))
+        x, y = slide.along
+        axis = self.turned(slide.on, (-y, x) if across else (x, y))
         way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
         return casadi.dot(axis, way)
 
@@ -101,8 +99,8 @@ class SymbolicLinkage:
     def _stored(self, spring: Spring) -> Any:
         """Return a spring's energy; without a free length that has a derivative at no length too."""
         way = self.point(*spring.second) - self.point(*spring.first)
-        free = spring.length
-        return spring.stiffness / 2 * (casadi.sumsqr(way) if _is_zero(free) else (casadi.norm_2(way) - free) ** 2)
+        squared = (casadi.norm_2(way) - spring.length) ** 2 if spring.length else casadi.sumsqr(way)
+        return spring.stiffness / 2 * squared
 
     @cached_property
     def stroke_ends(self) -> Any:
@@ -110,7 +108,6 @@ class SymbolicLinkage:
         return SX.sym("end", len(self.scene.loads))
 
     def _force(self, number: int, load: Load) -> Any:
-        """Return the force of a load, N."""
         if isinstance(load, Force):
             return vertcat(*load.force)
         assert isinstance(load, PlainLoad)
@@ -135,13 +132,9 @@ class SymbolicLinkage:
     @property
     def shortest_spring(self) -> Any:
         """The length of the shortest spring with a free length, over the linkage's size."""
-        ends = [(s.first, s.second) for s in self.scene.springs if not _is_zero(s.length)]
+        ends = [(s.first, s.second) for s in self.scene.springs if s.length]
         lengths = (casadi.norm_2(self.point(*second) - self.point(*first)) / self.size for first, second in ends)
         return casadi.mmin(vertcat(1.0, *lengths))
-
-
-def _is_zero(number: Any) -> bool:
-    return isinstance(number, (int, float)) and number == 0
 
 
 def channels(linkage: SymbolicLinkage, multipliers: Any) -> dict[str, Any]:

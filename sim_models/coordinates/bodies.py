@@ -1,4 +1,4 @@
-"""The geometry and inertia of one body, by formulas that take symbols for numbers, so none branches; and its motion."""
+"""The geometry and inertia of one body, and its motion."""
 
 from collections.abc import Mapping
 from itertools import combinations
@@ -46,9 +46,7 @@ class MovingBody(NamedTuple):
 
     def at(self, arm: Any) -> tuple[Any, Any, Any]:
         """Return place, velocity and acceleration."""
-        way = self.turn * arm
-        turning = 1j * self.alpha - self.omega**2
-        return self.origin + way, self.velocity + 1j * self.omega * way, self.acceleration + turning * way
+        return self.place(arm), self.moves(arm), self.accelerates(arm)
 
     @property
     def turning(self) -> tuple[Any, Any, Any]:
@@ -91,7 +89,7 @@ def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]
     squared = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c)  # 16 times that of the area
     A, B, C = (scene.drawn[name] for name in (*base, apex))
     side = ((B - A).conjugate() * (C - A)).imag
-    if side == 0 or (isinstance(squared, float) and not squared > 0):
+    if side == 0 or not squared > 0:
         why = "do not meet" if side else "are on no side of it: the sketch shows them on one line"
         reason = f"the lengths of '{body.name}' from {base[0]} and {base[1]} to {apex} {why}"
         raise Failure(Status.cannot_assemble, reason)

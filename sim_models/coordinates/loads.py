@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.elements.loads import PlainLoad
 from scenes.model.motion import Samples
-from scenes.scene import Force, ForceTable, Load, PlainLoad, Spring
+from scenes.scene import Force, ForceTable, Load, Spring
 
 from .bodies import End
 
@@ -38,7 +39,7 @@ def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any
     assert isinstance(load, PlainLoad)
     displacement, velocity = slid(load.body)
     if isinstance(load, ForceTable):
-        return complex(*scene.slides[load.body].along) * load.along(displacement)
+        return complex(*scene.slides[load.body].along) * load.table.at(displacement)
     return load.acts(displacement, velocity, end) * complex(*load.force)
 
 

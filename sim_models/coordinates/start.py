@@ -1,7 +1,7 @@
 """The pose at the drive's start: every body laid on the sketch, the gaps closed, the drive moved to its start."""
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache, lru_cache, partial
 from itertools import pairwise
 from typing import Any, TypeAlias
 
@@ -84,9 +84,8 @@ def _apart(poses: PathFollower, pose: ClosedPose, position: float) -> Failure:
 
 def stroke_ends(poses: PathFollower, start: ClosedPose) -> Samples:
     """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
-    strokes = [(load.body, load.closing) if isinstance(load, PressForce) else None for load in poses.scene.loads]
-    ends = {stroke: _end(poses, start, *stroke) for stroke in strokes if stroke}
-    return np.array([ends[stroke] if stroke else 0.0 for stroke in strokes])
+    end = cache(partial(_end, poses, start))
+    return np.array([end(one.body, one.closing) if isinstance(one, PressForce) else 0.0 for one in poses.scene.loads])
 
 
 def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> float:

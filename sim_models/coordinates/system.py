@@ -206,8 +206,6 @@ class System:
             displacement, velocity, _ = self.slid(bodies, slider)
             return displacement.real, velocity.real
 
-        def way(first: End, second: End) -> Any:
-            return place(second) - place(first)
-
-        for end, force in applied(self.scene, ends, slid, way, shortest):
+        loads = applied(self.scene, ends, slid, lambda first, second: place(second) - place(first), shortest)
+        for end, force in loads:
             yield end[0], place(end), force

@@ -68,13 +68,11 @@ def _largest(load: Load, size: float) -> float:
     values: Any
     match load:
         case Moment(moment=constant, table=table) | GuideForce(force=constant, table=table):
-            values = table.values if table else (constant,)
-        case TableForce():
-            values = load.table.values
-        case ForceTable():
-            values = load.forces
+            values = table.values if table else constant
         case Force() | PressForce():
             values = load.force
+        case TableForce() | ForceTable():
+            values = load.table.values
     return float(np.abs(values).max()) / (size if isinstance(load, Moment) else 1.0)
 
 

@@ -73,5 +73,4 @@ def forces(
         else:
             force = -force  # the joint's first marker is the slider's, and at its first point
         every |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
-    every |= {("drive.torque" if scene.driven_slide is None else "drive.force"): effort}
-    return _wanted(every, wanted)
+    return _wanted(every | {scene.effort_channel: effort}, wanted)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from scenes import Failure, Status
 from scenes.elements.friction import PinFriction
+from scenes.model.motion import friction_channels
 from scenes.scene import GROUND
 
 from .channels import forces, kinematics
@@ -53,9 +54,8 @@ class JointFriction:
         given = q, multipliers, positions, rates
         found = [self._at(*(values[rows] for values in given)) for rows in blocks(q)]
         loaded, acting, slip = map(np.concatenate, zip(*found, strict=True))
-        channels = [one.channel(self._scene) for one in self._scene.friction]
         power = (acting * slip).sum(axis=1)
-        return loaded, dict(zip([*channels, "friction.power"], [*acting.T, power], strict=True))
+        return loaded, dict(zip(friction_channels(self._scene), [*acting.T, power], strict=True))
 
     def _at(self, q: Array, multipliers: Array, positions: Array, rates: Array) -> tuple[Array, Array, Array]:
         """The multipliers with friction, what it does, shape (n, joints), and the joints' rates."""
@@ -71,7 +71,6 @@ class JointFriction:
         return multipliers + np.einsum("nj,njc->nc", coulomb, change), viscous + coulomb, slip
 
     def _senses(self, q: Array, v: Array, slip: Array) -> Array:
-        """The sense s of every joint's rate."""
         points, turning = self._scene.moving_points, self._scene.turning
         names = [*(f"{point}.v{axis}" for point in points for axis in "xy"), *(f"{body}.omega" for body in turning)]
         found = kinematics(self._poses.system, set(names), q, v)

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from scenes.elements.loads import TabledLoad
 from scenes.scene import GROUND, Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
 
 from .poses import Configuration, PoseSolver
@@ -73,9 +74,7 @@ def _add_load(system: ExudynSystem, load: Load, switches: PressSwitches) -> None
             marker = system.marker(load.body, 0j, "Rigid")
             moment = given(0.0, 0.0, 1.0 if load.moment is None else load.moment)
             system.mbs.AddLoad(items.Torque(markerNumber=marker, **moment))
-        case ForceTable():
-            add(*system.scene.slides[load.body].along)
-        case GuideForce():
+        case ForceTable() | GuideForce():
             slide, size = system.scene.slides[load.body], 1.0 if load.force is None else load.force
             x, y = (size * part for part in slide.along)
             add(x, y, fixed=turns)
@@ -91,9 +90,7 @@ def _scaled(parts: Sequence[float], value: LoadValue) -> Callable[[Any, float, A
     return vector
 
 
-def _value(
-    system: ExudynSystem, load: PressForce | ForceTable | GuideForce | TableForce | Moment, switches: PressSwitches
-) -> LoadValue | None:
+def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressSwitches) -> LoadValue | None:
     """What a load's vector is to be multiplied by; None for a constant one."""
     scene, drive, coordinates = system.scene, system.driven_by, exudyn.OutputVariableType.Coordinates
     if isinstance(load, PressForce):  # off until the first of the instants of a cycle, on until the second, and so on
@@ -104,13 +101,13 @@ def _value(
             return float(bisect_right(instants, time % cycle if repeats else time) % 2)
 
         return acts
-    if isinstance(load, ForceTable):
-        zero, factors = system.displaced(load.body, 0j), system.displacement_factors(load.body)
-        node = system.nodes[load.body]
-        return lambda mbs, _: float(load.along(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
     table = load.table
     if table is None:
         return None
+    if isinstance(load, ForceTable):
+        zero, factors = system.displaced(load.body, 0j), system.displacement_factors(load.body)
+        node = system.nodes[load.body]
+        return lambda mbs, _: float(table.at(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
     if table.over == "time":
         return lambda _, clock: float(table.at(drive.zero + clock))
     if table.over == "displacement" or scene.driven_slide is not None:

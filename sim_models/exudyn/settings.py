@@ -139,5 +139,4 @@ ABLATIONS: tuple[ExudynSettings, ...] = (
 
 def at_steps(steps: int) -> TimeStepping:
     """The settings of one integration with that many steps per cycle, for maps of stability."""
-    (settings,) = _single("generalised-alpha 0.5", steps)
-    return settings
+    return _single("generalised-alpha 0.5", steps)[0]

@@ -9,6 +9,7 @@ and λ = λ0 - Y t, Y being the multipliers that balance a unit of each: as many
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from flint import arb, arb_mat
 
@@ -69,26 +70,25 @@ def resisted(
     Y = solved(linkage.transposed_groups, linkage.constraints.jacobian(q).transpose(), units)
     viscous = [friction.viscous * rate for friction, rate in zip(frictions, rates, strict=True)]
     given = without + Y * column(viscous)
-    pressed = Pressed(linkage.scene.where(float(linkage.position.value(q)[0, 0])))
-    for i, (friction, rate) in enumerate(zip(frictions, rates, strict=True)):
-        pressed.senses.append((friction, friction.sense(rate, turning, moving)))
-        pressed.terms += [(i, P * _of(given, friction.rows), P * _of(Y, friction.rows)) for P in friction.presses]
+    senses = [(one, one.sense(rate, turning, moving)) for one, rate in zip(frictions, rates, strict=True)]
+    parts = [(i, P, one.rows) for i, one in enumerate(frictions) for P in one.presses]
+    terms = [(i, P * _of(given, rows), P * _of(Y, rows)) for i, P, rows in parts]
+    pressed = Pressed(linkage.scene.where(float(linkage.position.value(q)[0, 0])), senses, terms)
     dry = pressed.factors(1.0) * column(pressed.enclosed(pressed.followed()))
     t = [-x - v for x, v in zip(dry.entries(), viscous, strict=True)]
     power = sum((x * rate for x, rate in zip(t, rates, strict=True)), arb(0))
     return column([*(given + Y * dry).entries(), *t, power])
 
 
-class Pressed:
+class Pressed(NamedTuple):
     """The equations (1) of one sample for g: g = Σ |a + B c s g| over its terms (friction, a, B).
 
     Failure: `jammed`, where g without friction does not go on to g with all of it; `not_converged`, not proven.
     """
 
-    def __init__(self, place: str) -> None:
-        self.place = place  # of the drive
-        self.senses: list[tuple[JointFriction, arb]] = []
-        self.terms: list[tuple[int, arb_mat, arb_mat]] = []
+    place: str  # of the drive
+    senses: Sequence[tuple[JointFriction, arb]]
+    terms: Sequence[tuple[int, arb_mat, arb_mat]]
 
     def factors(self, factor: float) -> arb_mat:
         """Return all c s, on the diagonal, with a factor on all coefficients."""

@@ -8,7 +8,7 @@ from typing import TypeAlias
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.scene import Force, ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
+from scenes.scene import Force, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
 from .rows import EquationRows, PlaneVector, vector
@@ -100,18 +100,13 @@ def _turning(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitF
 
 
 def _size(linkage: LinkageEquations, load: Load) -> Size:
-    """Return the size of a load, constant or by its table."""
-    if isinstance(load, ForceTable):
-        table, over, periodic = (load.displacements, load.forces), "displacement", False
-    elif isinstance(load, Force | PressForce) or load.table is None:
+    if isinstance(load, Force | PressForce) or (table := load.table) is None:
         size = arb(load.moment if isinstance(load, Moment) else load.force if isinstance(load, GuideForce) else 1)
         return lambda _q, _time: size
-    else:
-        table, over, periodic = (load.table.arguments, load.table.values), load.table.over, load.table.periodic
-    value = straight_lines(*table, periodic=periodic)
-    if over == "time":
+    value = straight_lines(table.arguments, table.values, periodic=table.periodic)
+    if table.over == "time":
         return lambda _q, time: value(time)
-    argument = linkage.position if over == "drive" else linkage.displacement(load.body)
+    argument = linkage.position if table.over == "drive" else linkage.displacement(load.body)
     return lambda q, _time: value(argument.value(q)[0, 0])
 
 

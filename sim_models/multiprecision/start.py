@@ -4,6 +4,7 @@ A press force's stroke ends as far against the force as a cycle of the drive tak
 """
 
 from fractions import Fraction
+from functools import cache, partial
 from itertools import pairwise, product
 from math import remainder, sqrt, tau
 
@@ -98,15 +99,13 @@ def turn_of_guide(linkage: LinkageEquations, slider: str, position: float) -> co
 def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
     """Return the end of every press force's stroke, see `end_of_stroke`."""
     presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
-    strokes = {load: (load.body, closing_sign(linkage.scene, load)) for load in presses}
-    one_of = {stroke: load for load, stroke in strokes.items()}
-    ends = {stroke: end_of_stroke(linkage, continuation, q, load) for stroke, load in one_of.items()}
-    return {load: ends[stroke] for load, stroke in strokes.items()}
+    end = cache(partial(end_of_stroke, linkage, continuation, q))
+    return {load: end(load.body, closing_sign(linkage.scene, load)) for load in presses}
 
 
-def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, load: PressForce) -> float:
-    """Return the slider's displacement at the end of its closing stroke, m: at a dead point, or where a run ends."""
-    displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
+def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, body: str, closing: int) -> float:
+    """Return a slider's displacement at the end of its closing stroke, m: at a dead point, or where a run ends."""
+    displacement = linkage.displacement(body)
 
     def move(q: arb_mat, cycles: Fraction) -> tuple[arb_mat, bool, float]:
         """Return the pose after some cycles, whether the slider closes there, and how far it has closed, m."""

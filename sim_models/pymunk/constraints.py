@@ -118,7 +118,7 @@ class LinkageConstraints:
         """Return J = dC/dq, shape (n, 3 bodies, 3 bodies)."""
         q = with_ground(q)
         n, bodies, _ = q.shape
-        z, turn = planes(q)
+        turn = planes(q)[1]
 
         number = np.arange(len(self._pinned))
         gradients = _point_gradients(self._pin_arms * turn[:, self._pinned])
@@ -126,13 +126,9 @@ class LinkageConstraints:
         pins[:, number, self._pinned[:, 0]] -= gradients[:, :, 0]
         pins[:, number, self._pinned[:, 1]] += gradients[:, :, 1]
 
-        number = np.arange(len(self._sliders))
-        arms = self._slider_arms * turn[:, self._sliders]
-        along = np.conj(self._along * turn[:, self._carriers])[..., None]
+        number, slid = np.arange(len(self._sliders)), self.slide_gradients(q)
         guides = np.zeros((n, len(number), 2, bodies, 3))
-        from_carrier = z[:, self._sliders] + arms - z[:, self._carriers]
-        guides[:, number, 0, self._sliders] = (along * _point_gradients(arms)).imag
-        guides[:, number, 0, self._carriers] = -(along * _point_gradients(from_carrier)).imag
+        guides[:, :, 0] = slid.imag
         guides[:, number, 1, self._sliders, 2] = 1
         guides[:, number, 1, self._carriers, 2] = -1
 
@@ -147,11 +143,21 @@ class LinkageConstraints:
             drive[:, 0, self.driven] = (back * _point_gradients(first * turn[:, self.driven])).real
             drive[:, 0, self._drive_on] = -(back * _point_gradients(end * turn[:, self._drive_on])).real
         else:
-            own = [*self.slides].index(self.scene.drive.body)
-            drive[:, 0, self.driven] = (along * _point_gradients(arms))[:, own].real
+            drive[:, 0] = slid[:, [*self.slides].index(self.scene.drive.body)].real
 
         rows = [np.stack([pins.real, pins.imag], axis=2).reshape(n, -1, bodies, 3), guides.reshape(n, -1, bodies, 3)]
         return np.concatenate([*rows, drive], axis=1)[:, :, :-1].reshape(n, 3 * (bodies - 1), -1)
+
+    def slide_gradients(self, q: PoseArray) -> ComplexArray:
+        """The gradients of displacements plus i offsets, (n, sliders, bodies, 3), the last body being the ground."""
+        z, turn = planes(q)
+        number, arms = np.arange(len(self._sliders)), self._slider_arms * turn[:, self._sliders]
+        from_carrier = z[:, self._sliders] + arms - z[:, self._carriers]
+        along = np.conj(self._along * turn[:, self._carriers])[..., None]
+        gradients = np.zeros((len(q), len(number), *q.shape[1:]), np.complex128)
+        gradients[:, number, self._sliders] = along * _point_gradients(arms)
+        gradients[:, number, self._carriers] = -along * _point_gradients(from_carrier)
+        return gradients
 
     def branch(self, q: PoseArray) -> Samples:
         """The sign of det J, shape (n,), times one that is the same for all poses: constant along a branch."""

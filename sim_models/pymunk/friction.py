@@ -10,9 +10,7 @@ by Newton's method for g, continued by one factor on all coefficients. The matri
 friction, has a determinant that stays positive up to where two solutions meet, or where the forces grow without bound.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import NamedTuple, cast
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +18,7 @@ from numpy.typing import NDArray
 from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import Friction, GuideFriction, PinFriction
 
-from .constraints import LinkageConstraints, PoseArray, blocks, determinant_sign, planes, solved, with_ground
+from .constraints import LinkageConstraints, PoseArray, blocks, determinant_sign, solved, with_ground
 from .start import closed
 
 SMALLEST_STEP = 1e-7  # of the factor; what takes a smaller one jams
@@ -29,20 +27,32 @@ NEWTON_STEPS = 30
 CONVERGED = 1e-10  # of the largest force, what the last step changes; the error left is its square
 
 
-class Rubbing(NamedTuple):
-    """A friction, and of its joint's forces the column of the first."""
+class RubbingJoints:
+    """The joints of the scene's k frictions: what presses their parts together, and what friction takes of that."""
 
-    law: Friction
-    column: int
+    def __init__(self, linkage: LinkageConstraints) -> None:
+        self.laws, names = linkage.scene.friction, force_channels(linkage.scene)
+        self._guides = np.array([isinstance(one, GuideFriction) for one in self.laws])
+        joints = (one.channel(linkage.scene).rpartition(".")[0] for one in self.laws)
+        firsts = zip(joints, np.where(self._guides, "guide_force", "fx"), strict=True)
+        self._forces = np.add.outer([names.index(".".join(first)) for first in firsts], (0, 1))
+        self._levers = np.array([(1, 2 / one.length if isinstance(one, GuideFriction) else 1) for one in self.laws])
 
+    def pressed(self, forces: Samples, per_force: Samples) -> tuple[Samples, Samples]:
+        """The joints' own forces, shape (n, k), N, and how they change with k others by which `forces` change."""
+        parts = forces[:, self._forces] * self._levers
+        sizes, resultant = np.abs(parts), np.hypot(*np.moveaxis(parts, -1, 0))[..., None]
+        along = np.divide(parts, resultant, out=np.zeros(parts.shape), where=resultant > 0)
+        larger = np.sign(parts) * (sizes.argmax(axis=2)[..., None] == (0, 1))
+        slopes = np.where(self._guides[:, None], larger, along) * self._levers
+        g = np.where(self._guides, sizes.max(axis=2), resultant[..., 0])
+        return g, np.einsum("njp,njpk->njk", slopes, per_force[:, self._forces])
 
-def rubbings(linkage: LinkageConstraints) -> list[Rubbing]:
-    """The scene's frictions, with the columns of their joints' forces in `scenes.model.motion.force_channels`."""
-    scene, names = linkage.scene, force_channels(linkage.scene)
-    joints = [one.channel(scene).rpartition(".")[0] for one in scene.friction]
-    firsts = ("guide_force" if isinstance(one, GuideFriction) else "fx" for one in scene.friction)
-    columns = [names.index(f"{joint}.{first}") for joint, first in zip(joints, firsts, strict=True)]
-    return [*map(Rubbing, scene.friction, columns)]
+    def coefficients(self, factor: Samples) -> Samples:
+        """What friction takes of the joints' own forces, m or 1, with factors, (n,), on all coefficients; (n, k)."""
+        mu = np.multiply.outer(factor, [one.coefficient for one in self.laws])
+        radii = np.array([1.0 if isinstance(one, GuideFriction) else one.radius for one in self.laws])
+        return np.where(self._guides, mu, radii * mu / np.sqrt(1 + mu**2))
 
 
 def with_friction(
@@ -51,27 +61,25 @@ def with_friction(
     """All force channels, shape (n,), from those without friction; minus infinity where the linkage jams."""
     # Closed to round-off, so that it is known on what side of a reversal a sample is.
     q, rate = closed(linkage, q), linkage.scene.drive.at(time).rate
-    free, own = np.stack([*reactions.values()], axis=1), rubbings(linkage)
-    found = [_solved(linkage, own, q[rows], rate[rows], free[rows]) for rows in blocks(q)]
+    free, joints = np.stack([*reactions.values()], axis=1), RubbingJoints(linkage)
+    found = [_solved(linkage, joints, q[rows], rate[rows], free[rows]) for rows in blocks(q)]
     names = force_channels(linkage.scene) + friction_channels(linkage.scene)
     return dict(zip(names, np.concatenate(found).T, strict=True))
 
 
 def _solved(
-    linkage: LinkageConstraints, own: Sequence[Rubbing], q: PoseArray, of_drive: Samples, free: Samples
+    linkage: LinkageConstraints, joints: RubbingJoints, q: PoseArray, of_drive: Samples, free: Samples
 ) -> Samples:
     """All forces, frictions and their power, shape (n, m + k + 1), by the m forces without the k frictions."""
     J, d = linkage.jacobian(q), np.moveaxis(directions(linkage, q), 1, 0)
     unit = np.stack([solved(J.swapaxes(1, 2), one.reshape(len(q), -1)).reshape(len(q), -1) for one in d], axis=2)
     rate = unit[:, -1] * of_drive[:, None]  # of the joint: what it does to the drive, by virtual work
     largest = _largest(linkage, q, solved(J, of_drive[:, None] * np.eye(J.shape[1])[-1]))
-    sense: Samples = np.empty(rate.shape)
-    for number, (law, _) in enumerate(own):
-        sense[:, number] = law.sense(rate[:, number], largest[type(law)])
-    viscous = rate * np.array([law.viscous or 0.0 for law, _ in own])
+    sense = np.stack([law.sense(own, largest[type(law)]) for law, own in zip(joints.laws, rate.T, strict=True)], axis=1)
+    viscous = rate * np.array([law.viscous or 0.0 for law in joints.laws])
     free = free + np.einsum("nmk,nk->nm", unit, viscous)
-    g, jams = _continued(own, sense, unit, free)
-    friction = _coefficients(own, np.ones(len(q))) * sense * g
+    g, jams = _continued(joints, sense, unit, free)
+    friction = joints.coefficients(np.ones(len(q))) * sense * g
     forces, friction = free + np.einsum("nmk,nk->nm", unit, friction), -friction - viscous
     found = np.column_stack([forces, friction, (friction * rate).sum(axis=1)])
     found[jams] -= np.inf
@@ -81,16 +89,11 @@ def _solved(
 def directions(linkage: LinkageConstraints, q: PoseArray) -> PoseArray:
     """What a friction of 1 N m or 1 N does on all bodies, shape (n, frictions, bodies, 3)."""
     scene, index = linkage.scene, linkage.index
-    z, turn = planes(with_ground(q))
+    slid = linkage.slide_gradients(with_ground(q)).real
     d = np.zeros((len(q), len(scene.friction), len(index), 3))
     for number, one in enumerate(scene.friction):
         if isinstance(one, GuideFriction):
-            slide, i = linkage.slides[one.slider], index[one.slider]
-            on = index[slide.on]
-            along, first = complex(*slide.along) * turn[:, on], z[:, i] + linkage.first_arm(one.slider) * turn[:, i]
-            for body, sign in ((i, 1), (on, -1)):
-                moment = (np.conj(first - z[:, body]) * along).imag
-                d[:, number, body] = sign * np.stack([along.real, along.imag, moment], axis=1)
+            d[:, number] = slid[:, [*linkage.slides].index(one.slider)]
         else:
             pin = one.pin(scene)
             d[:, number, index[pin.second], 2], d[:, number, index[pin.first], 2] = 1, -1
@@ -108,55 +111,31 @@ def _largest(linkage: LinkageConstraints, q: PoseArray, v: PoseArray) -> Mapping
 
 
 def _continued(
-    own: Sequence[Rubbing], senses: Samples, unit: Samples, free: Samples
+    joints: RubbingJoints, senses: Samples, unit: Samples, free: Samples
 ) -> tuple[Samples, NDArray[np.bool_]]:
     """The joints' own forces, shape (n, k), from those without friction on, and where that ends before the factor 1."""
-    g, _ = _borne(own, free, unit)
+    g, _ = joints.pressed(free, unit)
     factor, step = np.zeros(len(g)), np.ones(len(g))
     while (rows := np.flatnonzero((factor < 1) & (step > SMALLEST_STEP))).size:
         ahead = np.minimum(1, factor[rows] + step[rows])
-        per_force = unit[rows] * (_coefficients(own, ahead) * senses[rows])[:, None]
-        found, fits = _newton(own, free[rows], per_force, g[rows])
+        per_force = unit[rows] * (joints.coefficients(ahead) * senses[rows])[:, None]
+        found, fits = _newton(joints, free[rows], per_force, g[rows])
         fits &= np.abs(found - g[rows]).max(axis=1) <= GROWTH * g[rows].max(axis=1)
         step[rows] = np.where(fits, 2, 0.5) * step[rows]
         factor[rows[fits]], g[rows[fits]] = ahead[fits], found[fits]
     return g, factor < 1
 
 
-def _newton(own: Sequence[Rubbing], free: Samples, per_force: Samples, g: Samples) -> tuple[Samples, NDArray[np.bool_]]:
+def _newton(joints: RubbingJoints, free: Samples, per_force: Samples, g: Samples) -> tuple[Samples, NDArray[np.bool_]]:
     """Solve for the joints' own forces from g on, shape (n, k), and tell where that converged on the branch."""
     for _ in range(NEWTON_STEPS):
-        borne, slopes = _borne(own, free + np.einsum("nmk,nk->nm", per_force, g), per_force)
-        matrix = np.eye(len(own)) - slopes
+        pressed, slopes = joints.pressed(free + np.einsum("nmk,nk->nm", per_force, g), per_force)
+        matrix = np.eye(g.shape[1]) - slopes
         signs = determinant_sign(matrix)
         matrix[signs == 0] = np.nan
-        change = np.linalg.solve(matrix, (borne - g)[..., None])[..., 0]
+        change = np.linalg.solve(matrix, (pressed - g)[..., None])[..., 0]
         g = g + change
         fits = (signs > 0) & (np.abs(change).max(axis=1) <= CONVERGED * np.abs(g).max(axis=1))
         if fits.all():
             break
     return g, fits
-
-
-def _borne(own: Sequence[Rubbing], forces: Samples, per_force: Samples) -> tuple[Samples, Samples]:
-    """The joints' own forces, shape (n, k), N, and how they change with k others by which `forces` change."""
-    g, slopes = np.empty((len(forces), len(own))), np.empty((len(forces), len(own), len(own)))
-    for number, (law, column) in enumerate(own):
-        of = slice(column, column + 2)
-        if isinstance(law, GuideFriction):
-            parts = forces[:, of] * (1, 2 / law.length)
-            larger = np.abs(parts).argmax(axis=1)[:, None] == (0, 1)
-            slope = np.sign(parts) * larger * (1, 2 / law.length)
-            g[:, number] = np.abs(parts).max(axis=1)
-        else:
-            size: Samples = np.hypot(*forces[:, of].T)
-            slope = np.divide(forces[:, of], size[:, None], out=np.zeros((len(forces), 2)), where=size[:, None] > 0)
-            g[:, number] = size
-        slopes[:, number] = np.einsum("np,npk->nk", slope, per_force[:, of])
-    return g, slopes
-
-
-def _coefficients(own: Sequence[Rubbing], factor: Samples) -> Samples:
-    """What a joint's own force takes, m or 1, with a factor, shape (n,), on all coefficients; shape (n, k)."""
-    scaled = (replace(law, coefficient=cast("float", factor * law.coefficient)) for law, _ in own)
-    return np.stack([one.coefficient if isinstance(one, GuideFriction) else one.arm for one in scaled], axis=1)

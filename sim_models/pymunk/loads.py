@@ -8,7 +8,7 @@ numbers, or arrays of them of shape (n,). Single numbers are plain Python's, whi
 
 from cmath import exp
 from collections.abc import Iterable, Iterator, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from math import ceil, pi, tau
 from typing import Any, NamedTuple, TypeAlias
@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from scenes import Scene
 from scenes.elements import PLAIN_KINDS
+from scenes.elements.loads import TabledLoad
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce
+from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring
 
 from .bodies import pair
 from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes, with_ground
@@ -67,15 +68,13 @@ def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np
             yield load.body, 0j, _sized(linkage, load, load.moment, at)
             continue
         r = linkage.arm(load.body, load.at) * turn[i]
-        if isinstance(load, ForceTable):
-            force = load.along(linkage.displacement(load.body, z, turn)) * complex(*linkage.slides[load.body].along)
-        elif isinstance(load, PressForce):
-            force = next(presses) * complex(*load.force)
-        elif isinstance(load, GuideForce):
+        if isinstance(load, ForceTable | GuideForce):
             slide = linkage.slides[load.body]
             on = index[slide.on]
             force = _sized(linkage, load, load.force, at) * complex(*slide.along) * turn[on]
             yield slide.on, -force, _moment(z[i] + r - z[on], -force)
+        elif isinstance(load, PressForce):
+            force = next(presses) * complex(*load.force)
         elif isinstance(load, Force):
             force = complex(*load.force) * (turn[i] if load.frame == "body" else 1)
         else:
@@ -108,9 +107,7 @@ def _of_spring(linkage: LinkageConstraints, spring: Spring, at: Instant) -> Iter
     yield second, -pull, _moment(s, -pull)
 
 
-def _sized(
-    linkage: LinkageConstraints, load: GuideForce | TableForce | Moment, constant: float | None, at: Instant
-) -> Any:
+def _sized(linkage: LinkageConstraints, load: TabledLoad, constant: float | None, at: Instant) -> Any:
     """The size of a load, N or N m, that is constant or by a table."""
     if load.table is None:
         return constant
@@ -120,7 +117,6 @@ def _sized(
 
 
 def _moment(r: PlaneVector, force: PlaneVector) -> Any:
-    """The moment of a force at the arm r."""
     return (r.conjugate() * force).imag
 
 
@@ -225,23 +221,22 @@ def stroke_ends(scene: Scene) -> Sequence[float]:
         return []
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
     paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
-    strokes = {(load.body, load.closing): load for load in presses}
-    ends = {s: load.closing * max(_furthest(linkage, load, path) for path in paths) for s, load in strokes.items()}
-    return [ends[load.body, load.closing] for load in presses]
+    end = cache(lambda body, closing: closing * max(_furthest(linkage, body, closing, path) for path in paths))
+    return [end(load.body, load.closing) for load in presses]
 
 
-def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[DrivePlace]) -> float:
-    """The slider's largest displacement in its closing direction, m; between places it has a dead point."""
-    i, along = linkage.index[load.body], linkage.slides[load.body].along
+def _furthest(linkage: LinkageConstraints, body: str, closing: int, path: Sequence[DrivePlace]) -> float:
+    """A slider's largest displacement in its closing direction, m; between places it has a dead point."""
+    i, along = linkage.index[body], linkage.slides[body].along
 
-    def closing(q: PoseArray) -> float:
-        return load.closing * float(linkage.displacement(load.body, *planes(with_ground(q)[0])))
+    def closed(q: PoseArray) -> float:
+        return closing * float(linkage.displacement(body, *planes(with_ground(q)[0])))
 
     def opens(q: PoseArray, forward: float) -> bool:
-        return load.closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
+        return closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
 
-    furthest = max(range(len(path)), key=lambda number: closing(path[number][1]))
-    largest = closing(path[furthest][1])
+    furthest = max(range(len(path)), key=lambda number: closed(path[number][1]))
+    largest = closed(path[furthest][1])
     for (here, q), (there, after) in pairwise(path[max(furthest - 1, 0) : furthest + 2]):
         half = (there - here) / 2
         if opens(after, half) and not opens(q, half):
@@ -250,5 +245,5 @@ def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[Driv
                 if not opens(middle, half):
                     here, q = here + half, middle
                 half /= 2
-            largest = max(largest, closing(q))
+            largest = max(largest, closed(q))
     return largest

@@ -67,7 +67,6 @@ class Model:
 
 
 def _motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
-    """A motor that turns the crank."""
     drive, scene = linkage.scene.drive, linkage.scene
     if not isinstance(drive, ConstantSpeed) or scene.driven_slide is not None or scene.drive_on != GROUND:
         raise Failure(Status.unsupported, "pymunk has motors for cranks at a constant speed only")

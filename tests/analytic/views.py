@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scenes import Motion, Scene
+from scenes.elements.loads import PlainLoad
 from scenes.fields import put, walk
 from scenes.model.motion import channels, quantity
-from scenes.scene import GROUND, Body, ConstantSpeed, Drive, ForceTable, Load, MotionLaw, PlainLoad, Slide, Vector
+from scenes.scene import GROUND, Body, ConstantSpeed, Drive, ForceTable, Load, MotionLaw, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy
 

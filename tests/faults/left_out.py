@@ -13,8 +13,9 @@ from compare.mechanics import elements
 from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 from scenes import Motion
+from scenes.elements.loads import PlainLoad
 from scenes.model.motion import force_channels
-from scenes.scene import GROUND, Force, PlainLoad, TableForce
+from scenes.scene import GROUND, Force, TableForce
 
 from .fault import Clean, Fault
 

@@ -12,8 +12,9 @@ from compare.judge.causes.cause import Kind
 from compare.mechanics.bodies import distances, inertia
 from compare.mechanics.mechanics import inputs
 from scenes import Scene
+from scenes.elements.loads import PlainLoad
 from scenes.fields import put, walk
-from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, ForceTable, PlainLoad, PressForce
+from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, ForceTable, PressForce
 
 from .fault import Clean, Fault
 

@@ -197,7 +197,6 @@ class TimeSteppedSimulation(ExudynSimulation):
 
 
 def _configure(model: ExudynSystem, options: TimeStepping) -> None:
-    """Choose the integrator in Exudyn's simulation settings."""
     integration = model.settings.timeIntegration
     integration.solverType = getattr(exudyn.DynamicSolverType, options.solver)
     integration.generalizedAlpha.spectralRadius = options.spectral_radius
@@ -215,7 +214,6 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
 
 
 def _set_initial(model: ExudynSystem, stretch: Stretch) -> None:
-    """Set the initial coordinates, velocities and accelerations."""
     begin, values, initial = stretch.begin, model.state, exudyn.ConfigurationType.Initial
     _, rate, acceleration = stretch.pieces[0].at(stretch.zero)
     values.SetODE2Coordinates(model.narrowed(begin.q), initial)

@@ -16,7 +16,7 @@ from .runs import EPS, closed, continuing, run, slider_crank
 flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402  (their engine is there)
-from sim_models.multiprecision.start import end_of_stroke  # noqa: E402
+from sim_models.multiprecision.start import closing_sign, end_of_stroke  # noqa: E402
 
 
 def test_scene_without_masses_moves_alike_and_has_no_forces() -> None:
@@ -33,7 +33,7 @@ def stroke_end(scene: Scene, force: float) -> float:
         linkage = LinkageEquations(scene)
         continuation = continuing(linkage)
         q = continuation.follow(closed(linkage, continuation), linkage.drive(scene.drive.start))
-        return end_of_stroke(linkage, continuation, q, load)
+        return end_of_stroke(linkage, continuation, q, load.body, closing_sign(scene, load))
 
 
 def test_a_closing_stroke_ends_at_the_dead_point() -> None:

@@ -12,7 +12,7 @@ import analytic
 import scenes
 from compare.judge.floor import establish
 from scenes import Sampling, Scene
-from scenes.elements.loads import ForceTable, PressForce, TableForce
+from scenes.elements.loads import PressForce, TableForce
 from scenes.elements.springs import TorsionSpring
 from scenes.elements.tables import LoadCurve
 from scenes.laws import LAWS
@@ -99,9 +99,9 @@ def natural(_right: Any, law: MotionLaw) -> CubicSpline:
     return CubicSpline(law.times, law.positions, bc_type="natural")
 
 
-def held(right: Wrong, table: ForceTable, x: Any) -> Any:
+def held(right: Wrong, table: LoadCurve, x: Any) -> Any:
     """Return the force at an entry before, not on the line to the next."""
-    return right(table, np.asarray(table.displacements)[np.searchsorted(table.displacements[1:-1], x)])
+    return right(table, np.asarray(table.arguments)[np.searchsorted(table.arguments[1:-1], x)])
 
 
 def on_both_strokes(right: Wrong, load: PressForce, x: Any, v: Any, end: float) -> Any:
@@ -123,7 +123,7 @@ SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
     ("law", MotionLaw, "_spline", natural),
     *((kind, of, "at", wrong) for kind, of in BY_FORMULA.items() for wrong in (faster, late)),
     *((kind, of, "after", lambda right, law, cycles: right(law, cycles) + 1e-6) for kind, of in BY_FORMULA.items()),
-    ("table", ForceTable, "along", held),
+    ("table", LoadCurve, "at", held),
     ("tables", LoadCurve, "at", lambda right, table, x: right(table, x) * (1 + 1e-6)),
     ("tables", LoadCurve, "within", lambda _right, _table, x: x),
     ("tables", TableForce, "direction", lambda _right, load: load.along),
