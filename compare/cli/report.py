@@ -91,9 +91,11 @@ def print_result(result: "Study") -> None:
     """Print the verdict, a line an engine, the reasons and causes."""
     from ..judge.errors import shown_groups
     from ..report.tables import speed as speed_tables
+    from ..report.tables.proof import sentences
     from ..report.tables.study import verdict
 
-    print(f"{result.scene.name}  {verdict(result)}")
+    for sentence in (verdict(result), *sentences(result)):
+        print(f"{result.scene.name}  {sentence}")
     for m in result.measurements:
         worst = {group: m.worst().get(group, nan) for group in shown_groups(result.scene)}
         errors = "  ".join(f"{group} {error:.1e}" for group, error in worst.items() if not isnan(error))

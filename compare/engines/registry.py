@@ -8,6 +8,7 @@ from typing import Any, Protocol, TypeAlias, cast
 
 from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
+from scenes.model.enclosures import Enclosures
 from scenes.model.motion import Samples
 
 from . import outside
@@ -140,6 +141,14 @@ def derivatives(
     """
     by_channel = import_module("analytic").derivatives(scene, paths, position, time, channels)
     return cast("Mapping[str, Samples]", by_channel)
+
+
+def enclosures(scene: Scene, names: frozenset[str] | None, off: Mapping[str, float] | None = None) -> Enclosures:
+    """Return what the analytic core proves of channels and magnitudes, or of all, over the whole range of the drive.
+
+    With `off` it is of all machines whose numbers are off by no more than that, SI, by path.
+    """
+    return cast("Enclosures", import_module("analytic").enclose(scene, names, off=off))
 
 
 def route(scene: Scene) -> str:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion, Sampling, Scene, Status
+from scenes.model.enclosures import Enclosures
 from scenes.model.motion import FEWEST
 
 from ..engines import registry
@@ -22,6 +23,7 @@ from .errors import ChannelError, worst_of
 from .floor import FLOOR_SAMPLES
 from .measure import Gate, Measurement, Miss, gates, missed
 from .peaks.peaks import Peak, peaks
+from .proof import MET, HeldLimit, held, proven
 from .verdict import digits, sized, within
 
 CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # with a motion, but another one
@@ -89,9 +91,19 @@ class Judgement:
         """The scene's tolerances, in the channels asked for."""
         return list(gates(self.scene, self.measurements, self.sampling.channels, self.reference.floor.doubt))
 
+    @cached_property
+    def proof(self) -> Enclosures:
+        """What is proven over the whole range of the drive, between the samples too."""
+        return proven(self.scene, self.sampling)
+
+    @cached_property
+    def limits(self) -> list[HeldLimit]:
+        """The scene's limits, held against that."""
+        return list(held(self.scene, self.sampling, self.proof)) if self.scene.limits else []
+
     @property
     def ok(self) -> bool:
-        """Whether every engine is ok, the reference not in doubt, no tolerance missed, and no canary let through."""
+        """Whether every engine is ok, the reference not in doubt, no tolerance, limit or canary missed."""
         return not self.misses
 
     @property
@@ -105,7 +117,9 @@ class Judgement:
         doubt = self.reference.floor.doubt
         asked = any(m.run.engine == REFERENCE for m in self.measurements)
         doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not asked else []
-        misses = doubted + missed(self.measurements, self.held) + [Miss("", "", line) for line in self.let_through]
+        limits = [limit.text for limit in self.limits if limit.outcome != MET]
+        lines = [Miss("", "", line) for line in (*limits, *self.let_through)]
+        misses = doubted + missed(self.measurements, self.held) + lines
         return sorted(misses, key=lambda miss: miss.engine != REFERENCE) if doubt else misses
 
     @cached_property

@@ -22,7 +22,7 @@ from ..errors import InputError, at_place, nearest, one_line
 from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
 from ..limits import SOURCE, TITLE
-from ..model.motion import TRANSMISSION, channels, magnitudes, size_of
+from ..model.motion import TRANSMISSION, channels, magnitudes, unit_of
 from ..scene import GROUND, Limit, Scene, Sketch, Variation
 from .changes import Value, change, check_variations, label, numbers
 from .consistency import check
@@ -137,7 +137,7 @@ def _limits(table: SceneFile, scene: Scene) -> Mapping[str, Limit]:
             raise InputError(f"{place}: expected 'least', 'most' or both")
         if limit.least is not None and limit.most is not None and limit.least > limit.most:
             raise InputError(f"{place}.least: expected {limit.most:g}, the most, or less, found {limit.least:g}")
-        size = size_of(scene, name)
+        _, size = unit_of(scene, name)
         held[name] = Limit(*(None if end is None else end * size for end in (limit.least, limit.most)))
     return MappingProxyType(held)
 

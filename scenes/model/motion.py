@@ -96,9 +96,10 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
     return (*pins, *guides, scene.effort_channel)
 
 
-def size_of(scene: Scene, name: str) -> float:
-    """The unit of a channel or magnitude in the scene's file, SI: velocities are in its length a second."""
-    return scene.all_units[DIMENSIONS[UNITS[quantity(name)]]][1] if UNITS[quantity(name)] in DIMENSIONS else 1.0
+def unit_of(scene: Scene, name: str) -> tuple[str, float]:
+    """The unit of a channel or magnitude in the scene's file, and its size in SI: of velocities its length a second."""
+    si = UNITS[quantity(name)]
+    return scene.all_units[DIMENSIONS[si]] if si in DIMENSIONS else (si, 1.0)
 
 
 def friction_channels(scene: Scene) -> tuple[str, ...]:

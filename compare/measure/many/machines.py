@@ -10,7 +10,7 @@ press force comes or goes just there the place does matter, and the linear model
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.special import ndtri
@@ -24,6 +24,7 @@ from ...judge.peaks.curves import CycleCurve, Values, curves
 from ...judge.peaks.numbers import CLOSED, DWELL, STROKE, CycleNumber, numbers
 from ...judge.peaks.refined import beyond, jumps, needed, refined
 from ...judge.peaks.stroke import DWELLING, RowNumbers, Stroke, chords
+from ...judge.proof import channels_of, met
 from ...mechanics.reference import SCALE_SAMPLES, Reference
 
 BITS = 30  # of the draws, before they become numbers
@@ -43,6 +44,7 @@ class SolvedMachines:
     running: RowNumbers  # which run, shape (k,)
     motion: Motion  # of the k that run, with samples added where something is largest or least, shape (k, n)
     numbers: Sequence[CycleNumber]  # of these, each of shape (k,); none where none runs
+    met: Any = 0  # which of them meet all limits of the scene, shape (k,)
 
 
 def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Samples]:
@@ -76,6 +78,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     many = scene.with_numbers(numbers_of(scene, changes))
     quantities = curves(many, scale, reference.cycle)
     wanted = [channel for curve in quantities for channel in curve.channels]
+    wanted += [channel for name in scene.limits for channel in channels_of(scene, name, wanted)]
     solve = registry.many(scene, changes, frozenset([*wanted, *needed(scene)]))
     status, reason = [Status.ok] * count, [""] * count
 
@@ -99,7 +102,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     quantities = curves(many, scale, motion)
     found = numbers(scene, quantities, motion, exact=True)
     placed = [n for n in found if n.row is not None or n.kind == STROKE]  # at one place, or between two; no sums
-    return SolvedMachines(status, reason, rows, motion, placed)
+    return SolvedMachines(status, reason, rows, motion, placed, met(scene, motion))
 
 
 def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:

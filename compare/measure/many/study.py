@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Failure, InputError, Sampling, Scene, Status, numbers_in
+from scenes.model.enclosures import Enclosure
 from scenes.model.motion import Samples
 
 from ...engines import registry
@@ -54,6 +55,7 @@ class Block(NamedTuple):
     first: int
     values: Samples  # shape (m, k); NaN of those that do not run
     failed: Sequence[tuple[int, str, str]]  # machine, status, reason
+    met: int = 0  # how many meet all limits of the scene
 
 
 @dataclass(frozen=True)
@@ -144,6 +146,23 @@ class MonteCarlo:
         """How many machines run."""
         return self.count - sum(failed.count for failed in self.failures)
 
+    @property
+    def met(self) -> tuple[int, float, float]:
+        """How many machines meet all limits of the scene, and Clopper and Pearson's interval of the yield, of 95 %."""
+        from scipy.stats import binomtest  # late, as few scenes have limits
+
+        count = sum(block.met for block in self.blocks)
+        return count, *binomtest(count, self.count).proportion_ci(0.95)
+
+    @cached_property
+    def enclosed(self) -> Mapping[str, Enclosure]:
+        """By pin, its largest force over all machines whose numbers are off by no more than they may."""
+        numbers, varied = self.scene.numbers, self.scene.variations
+        off = {v.path: v.plus_minus * self.scene.size(numbers[v.path]) for v in varied}
+        forces = frozenset(f"{pin.channel}.force" for pin in self.scene.pins if self.scene.has_masses)
+        found = registry.enclosures(self.scene, forces, off).rows if forces else ()
+        return {row.channel.rpartition(".")[0]: row for row in found if row.extreme == "most"}
+
     @cached_property
     def worst(self) -> tuple[int, Spread] | None:
         """The machine that is the farthest from the linkage as drawn, in standard deviations of one of its numbers."""
@@ -215,11 +234,12 @@ def solved(study: MonteCarlo) -> Iterator[Block]:
 def _block(nominal: Nominal, seed: int, own: range) -> Block:
     """Draw and solve some machines, few at a time, and keep nothing but their numbers."""
     changes = draws(nominal.reference.scene, seed, own.start, len(own))
-    values, failed = np.full((len(own), len(nominal.values)), np.nan), []
+    values, failed, met = np.full((len(own), len(nominal.values)), np.nan), [], 0
     for first in range(0, len(own), AT_ONCE):
         some = machines(nominal.reference, {path: v[first : first + AT_ONCE] for path, v in changes.items()})
         if some.numbers:
             values[first + some.running] = np.transpose([number.value for number in some.numbers])
+        met += int(np.sum(some.met))
         ended = enumerate(zip(some.status, some.reason, strict=True), own.start + first)
         failed += [(n, status.name, reason) for n, (status, reason) in ended if status is not Status.ok]
-    return Block(own.start, values, failed)
+    return Block(own.start, values, failed, met)

@@ -12,6 +12,7 @@ import numpy as np
 
 from scenes import InputError, Motion, Scene, shipped
 from scenes.file.toml import SUMMARY_BYTES, read_text
+from scenes.model.enclosures import Enclosure
 from scenes.model.motion import header
 from scenes.scene import SI
 
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from ...measure.many.study import MonteCarlo
 
 PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, where a complete result is
-TABLES = ("peaks.csv", "errors.csv", "speed.csv", "motion.*.csv", "stability.csv", "hard.csv")
+TABLES = ("peaks.csv", "enclosures.csv", "errors.csv", "speed.csv", "motion.*.csv", "stability.csv", "hard.csv")
 REPORT = ("report.html", "summary.json", *TABLES)
 FAMILY = ("family.html", "family.json", "family.csv")
 MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
@@ -54,6 +55,7 @@ def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, c
     with _result(study, folder, REPORT, known, page, complete=complete) as (aside, place):
         for name, table in written.items():
             _write_table(table, aside / f"{name}.csv")
+        _write_table([row._asdict() for row in study.proof.rows], aside / "enclosures.csv", Enclosure._fields)
         for name, frame in (("stability", study.maps), ("hard", study.hard)):
             if frame is not None and len(frame):
                 frame.to_csv(aside / f"{name}.csv", index=False)
@@ -138,10 +140,11 @@ def check_origin(scene: Scene, place: Path) -> None:
                 )
 
 
-def _write_table(rows: TableRows, file: Path) -> None:
+def _write_table(rows: TableRows, file: Path, columns: Sequence[str] = ()) -> None:
     """Write rows, of which each may lack some columns; a cell of what is missing or not a number is empty."""
     with file.open("w", encoding="utf-8", newline="") as text:
-        table = csv.DictWriter(text, dict.fromkeys(column for row in rows for column in row), lineterminator="\n")
+        every = dict.fromkeys((*columns, *(column for row in rows for column in row)))
+        table = csv.DictWriter(text, every, lineterminator="\n")
         table.writeheader()
         table.writerows({column: cell for column, cell in row.items() if cell == cell} for row in rows)
 
@@ -171,6 +174,7 @@ def summary(study: Study) -> dict[str, Any]:
         "sketch": off_sketch(study.reference),
         "masses": tables.masses(study, SI),
         "verdict": study.agreement,
+        "proof": {"open_at": study.proof.open_at, "limits": [limit._asdict() for limit in study.limits]},
         "peaks": study.peaks,
         "engines": {m.run.engine: _engine(scene, m) for m in study.measurements},
         "causes": study.causes,

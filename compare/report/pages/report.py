@@ -19,6 +19,7 @@ from ..linkage.moving import MovingPicture
 from ..numbers import short, units
 from ..tables import first_screen
 from ..tables import friction as friction_tables
+from ..tables import proof as proof_tables
 from ..tables import speed as speed_tables
 from ..tables import study as tables
 from .html import render
@@ -51,6 +52,7 @@ def page(study: Study) -> str:
         distance=distance,
         friction=friction(study) if scene.friction else None,
         friction_tables=friction_tables,
+        proof=proof_tables,
         described=described,
         left_out=[channel for panel in left_out for channel in panel.judged],
         picture=work_precision(study),

@@ -8,6 +8,7 @@ import numpy as np
 from scenes import numbers_in
 
 from ...engines.registry import REFERENCE
+from ...judge.peaks.numbers import AT_JOINTS
 from ...measure.many.study import MonteCarlo, Spread
 from ..numbers import DIGITS, Units, capital, percent, units, written
 from . import TableRows
@@ -44,6 +45,8 @@ def summary(study: MonteCarlo) -> dict[str, object]:
         **{"machines": study.count, "running": study.running, "seed": study.seed},
         "variations": study.scene.variations,
         "numbers": [{**vars(s), "differs": differences(study, s)} for s in study.spreads],
+        "enclosed": study.enclosed,
+        "yield": dict(zip(("met", "low", "high"), study.met, strict=True)) if study.scene.limits else None,
         "failures": study.failures,
         "worst": None if study.worst is None else {"machine": study.worst[0], "number": study.worst[1].name},
         "picked": [
@@ -79,6 +82,18 @@ def overview(study: MonteCarlo) -> TableRows:
 def _amount(study: MonteCarlo, number: Spread, value: float, sign: str = "") -> str:
     """A difference of a number, to three digits, on one line."""
     return written(value, number.unit, shown_units(study), digits=DIGITS, sign=sign).replace(" ", "\u00a0")
+
+
+def enclosed(study: MonteCarlo) -> TableRows:
+    """A row a pin: its largest force on the machines drawn, and on all that may be made, where that is proven."""
+    rows = []
+    for k, (s, number) in enumerate(zip(study.spreads, study.nominal.machine.numbers, strict=True)):
+        if number.kind == AT_JOINTS["reaction"] and s.deviation > 0 and (row := study.enclosed.get(s.of)):
+            drawn, made = study.values[s.largest, k] - s.nominal, row.high - s.nominal
+            shown = {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
+            shown |= {"largest drawn": _amount(study, s, drawn, "+"), "no machine above": _amount(study, s, made, "+")}
+            rows.append(shown | {"over the largest drawn": f"{made / drawn:.2f}"})
+    return rows
 
 
 def shares(study: MonteCarlo) -> TableRows:
@@ -139,7 +154,11 @@ def setup(study: MonteCarlo) -> str:
 
 
 def verdicts(study: MonteCarlo) -> Iterator[str]:
-    """Yield how well the linear model predicts the spread, and how the engines' differences compare with it."""
+    """Yield the yield, how well the linear model predicts the spread, and how engines' differences compare with it."""
+    if study.scene.limits:
+        count, low, high = study.met
+        share = f"{100 * count / study.count:.4g} % of the machines ({count:,} of {study.count:,}) meet all limits"
+        yield f"Yield: {share}; with 95 % confidence {100 * low:.4g} to {100 * high:.4g} %."
     shown = moving(study)
     off = {s.name: abs(s.linear / s.deviation - 1) for s in shown}
     bent = [name for name, share in off.items() if share > OFF + 3 * sqrt(0.5 / study.count)]  # beyond chance

@@ -1,0 +1,64 @@
+"""What is proven between the samples, as rows and sentences."""
+
+from collections.abc import Iterator
+from math import ceil, floor, isinf, log10
+
+from scenes.model.enclosures import Enclosure
+from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
+
+from ...judge.agreement import Judgement
+from ...judge.proof import place
+from ...mechanics.axis import turns_fully
+from ..numbers import capital, units, written
+from . import TableRows
+
+DIGITS = 6  # shown of a bound
+NOTHING = 1e-12  # of the largest value of a unit: what is less is round-off
+
+
+def bounds(study: Judgement) -> TableRows:
+    """A row a channel or magnitude: what it is never below and never above, and where it comes nearest to that."""
+    rows: dict[str, dict[str, object]] = {}
+    for row in study.proof.rows:
+        never, at = ("never below", "least") if row.extreme == "least" else ("never above", "most")
+        shown = {"channel": row.channel, never: bound(study, row), at: place(study.scene, row[4:])}
+        rows.setdefault(row.channel, {}).update(shown)
+    return [*rows.values()]
+
+
+def bound(study: Judgement, row: Enclosure) -> str:
+    """What an extreme is not beyond."""
+    unit = UNITS[quantity(row.channel)]
+    value, sign = (row.high, 1) if row.extreme == "most" else (row.low, -1)
+    alike = (max(abs(other.low), abs(other.high)) for other in study.proof.rows if UNITS[quantity(other[0])] == unit)
+    if isinf(value):
+        return "not known"
+    if abs(value) <= NOTHING * max(alike):
+        return "0"
+    factor = units(study.reference).get(unit, (1.0, ""))[0]
+    place = 10.0 ** (DIGITS - 1 - floor(log10(abs(value * factor))))
+    outwards = sign * ceil(sign * value * factor * place) / place / factor
+    return written(outwards, unit, units(study.reference), digits=DIGITS)
+
+
+def sentences(study: Judgement) -> Iterator[str]:
+    """Yield what is proven, or where it is not, and every limit of the scene with its outcome."""
+    scene, proof = study.scene, study.proof
+    over = f"over the whole {'turn' if turns_fully(scene) else 'range of the drive'}"
+    if proof.open_at is not None:
+        what = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
+        yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}."
+    else:
+        proofs = ["it assembles on one branch"]
+        forces = [row for row in proof.rows if row.extreme == "most" and row.channel.endswith(".force")]
+        forces = [row for row in forces if row.channel in magnitudes(scene) and not isinf(row.high)]
+        if forces:
+            largest = max(forces, key=lambda row: row.high)
+            joint, where = largest.channel.removesuffix(".force"), place(scene, largest[4:])
+            proofs.append(f"no pin carries more than {bound(study, largest)} ({joint} {where})")
+        for row in proof.rows:
+            if row[:2] == (TRANSMISSION, "least"):
+                proofs.append(f"no transmission angle is below {bound(study, row)} ({place(scene, row[4:])})")
+        yield f"Proven {over}, between the samples too: {', '.join(proofs)}."
+    for limit in study.limits:
+        yield f"{capital(limit.text)}."
