@@ -1,6 +1,7 @@
 """The vector-equation core: dyads in closed form, exact velocities and accelerations, kinetostatics."""
 
 from .core.decomposition import in_closed_form, route
+from .proven.assemblies import assemblies
 from .proven.enclosures import departures, enclose
 from .recorded.derivatives import derivative_solver, derivatives
 from .recorded.fast import fast_solver
@@ -16,6 +17,7 @@ __all__ = [
     "Histogram",
     "Integral",
     "Machines",
+    "assemblies",
     "check_way",
     "departures",
     "derivative_solver",

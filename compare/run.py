@@ -82,9 +82,16 @@ def _run(options: argparse.Namespace) -> int:
     from .report.output import files  # late: slow to import, and bad input should be named at once
     from .report.output.placing import check_writable
 
-    run, own = (report.family, files.FAMILY) if options.vary else (report.run, files.REPORT)
-    if options.monte_carlo:
-        run, own = report.monte_carlo, files.MONTE_CARLO
+    run, own = next(
+        way
+        for asked, way in (
+            (options.vary, (report.family, files.FAMILY)),
+            (options.monte_carlo, (report.monte_carlo, files.MONTE_CARLO)),
+            (options.assemblies, (report.assemblies, files.ASSEMBLIES)),
+            (True, (report.run, files.REPORT)),
+        )
+        if asked
+    )
     places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
     check_writable(options.out, places, own)
     for name, scene in places.items():
@@ -111,7 +118,8 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
             target = options.out / scene.name
             raise InputError(f"arguments: two scenes are named '{scene.name}', and both would write {target}")
         numbers_in(scene.file, [variation.path for variation in options.vary])
-    several = [name for name in ("--vary", "--monte-carlo") if getattr(options, name[2:].replace("-", "_"))]
+    instead = ("--vary", "--monte-carlo", "--assemblies")
+    several = [name for name in instead if getattr(options, name[2:].replace("-", "_"))]
     for name, why in (
         ("full", "many linkages take one setting of an engine"),
         ("accuracy", "many linkages take the engines' defaults"),
@@ -122,7 +130,8 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         if several and getattr(options, name):
             raise InputError(f"arguments: --{name}: expected it without {several[0]}, since {why}")
     if len(several) > 1:
-        raise InputError("arguments: --vary: expected it without --monte-carlo, since each has linkages of its own")
+        expected = f"{several[0]}: expected it without {several[1]}, since each has linkages of its own"
+        raise InputError(f"arguments: {expected}")
     if options.monte_carlo:
         for scene in scenes:
             if not scene.variations:

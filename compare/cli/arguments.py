@@ -21,7 +21,7 @@ USAGE = (
     " [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
     " [--channels LIST] [--accuracy A] [--full] [--check] [--open]"
     " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
-    " [--monte-carlo N [--seed K]] [--format github] [--baseline FILE]"
+    " [--monte-carlo N [--seed K] | --assemblies] [--format github] [--baseline FILE]"
     " [--result NAME=FILE.csv ...]; or list, new NAME, map [SCENE] NAME=FILE.csv, version"
 )
 
@@ -59,6 +59,7 @@ def parser() -> argparse.ArgumentParser:
     where("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
     about = "draw so many machines from the scene's [[variations]] instead, and report what the tolerances do"
     add("--monte-carlo", type=_count(2, MOST_MACHINES), metavar="N", help=about)
+    add("--assemblies", action="store_true", help="draw all ways to put the bodies together instead, with circuits")
     add("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
     about = "judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]"
     add("--result", action="append", default=[], metavar="NAME=FILE.csv", help=about)

@@ -192,6 +192,22 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     return stops(scene, able, options.format, () if able else ("every tolerance, since no member runs",))
 
 
+def assemblies(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+    """Write all assemblies of a scene, and return that no tolerance was missed: none is looked at, nor any sample."""
+    del request
+    from ..report.output import files as output
+    from ..report.tables.assemblies import sentence, ways
+
+    show(f"{scene.name}: all assemblies")
+    every = registry.assemblies(scene)
+    folder = output.write_assemblies(scene, every, options.out)
+    print(f"{scene.name}  {sentence(scene, every)}")
+    for row in ways(scene, every):
+        print(f"{scene.name}  {', '.join(f'{name} {value}' for name, value in row.items() if value)}")
+    show_page("assemblies", folder / "assemblies.html", "", options)
+    return False
+
+
 def monte_carlo(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
     """Write what one scene's tolerances do, and return whether the linkage as drawn misses a tolerance."""
     from ..judge.canaries.canaries import canaries

@@ -8,7 +8,7 @@ from typing import Any, Protocol, TypeAlias, cast
 
 from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
-from scenes.model.enclosures import Enclosures
+from scenes.model.enclosures import Assemblies, Enclosures
 from scenes.model.motion import Samples
 
 from . import outside
@@ -149,6 +149,11 @@ def enclosures(scene: Scene, names: frozenset[str] | None, off: Mapping[str, flo
     With `off` it is of all machines whose numbers are off by no more than that, SI, by path.
     """
     return cast("Enclosures", import_module("analytic").enclose(scene, names, off=off))
+
+
+def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
+    """Return all assemblies where the sketch has the drive, by the analytic core, and which are on one circuit."""
+    return cast("Assemblies", import_module("analytic").assemblies(scene, circuits=circuits))
 
 
 def route(scene: Scene) -> str:

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
 
 BEYOND = 0.01  # of a motion law's table: its spline may leave it by so much without a word
-FAR = 0.1  # of the largest length: shipped sketches are within 0.012 of it, a leg upside down is 0.28 and more off
+FAR = 0.1  # of the largest length: shipped sketches are within 0.06 of it, a leg upside down is 0.28 and more off
+NEAR = 0.03  # of that length: a sketch whose points are all so near is nearest to the assembly that it picks
 PART = 1e-9  # of a cycle: by how much the period of a table may be longer, by rounding
 NARROW = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
 
@@ -167,15 +168,31 @@ def off_sketch(reference: Reference) -> dict[str, float]:
 
 
 def warnings(reference: Reference) -> Iterator[str]:
-    """Yield a sentence on the points that are far from their sketch: those of the driven body, then the others."""
-    scene, limit = reference.scene, FAR * reference.mechanics.size
-    off = {point: distance for point, distance in off_sketch(reference).items() if not distance <= limit}
-    driven = {point for point in off if scene.drive.body in scene.owners[point]}
+    """Yield a sentence on points of the driven body that are far from their sketch; and on the others.
+
+    On these it is that the sketch is nearer to another assembly, or else that some are far from where it has them.
+    """
+    scene, size, off = reference.scene, reference.mechanics.size, off_sketch(reference)
+    far = {point: distance for point, distance in off.items() if not distance <= FAR * size}
+    driven = {point for point in far if scene.drive.body in scene.owners[point]}
     position = "angle" if scene.driven_slide is None else "displacement"
+    nearer = _nearer(scene) if max(off.values(), default=0.0) > NEAR * size else ""
+    if nearer:
+        yield f"the sketch is nearer to another assembly, {nearer}: check on which side its points are drawn"
     for points, what_follows in (
         (driven, f"check that sketch.{position} is where the {scene.drive.body} is drawn"),
-        (off.keys() - driven, "it picks the assembly branch: check that they are drawn on the side meant"),
+        (far.keys() - driven, "it picks the assembly branch: check that they are drawn on the side meant"),
     ):
-        if points:
-            far = ", ".join(f"{p} by {scene.length(off[p])}" for p in sorted(points, key=lambda p: -off[p]))
-            yield f"the sketch is far from where the lengths put its points: {far}; {what_follows}"
+        if points and not (nearer and points != driven):
+            listed = ", ".join(f"{p} by {scene.length(far[p])}" for p in sorted(points, key=lambda p: -far[p]))
+            yield f"the sketch is far from where the lengths put its points: {listed}; {what_follows}"
+
+
+def _nearer(scene: Scene) -> str:
+    """How far an assembly is from the sketch that is nearer than the one that it picks; nothing where none is."""
+    every = registry.assemblies(scene, circuits=False).found
+    own = next((one for one in every if one.meant), None)
+    if own is None or own is every[0]:
+        return ""
+    away, picked = (scene.length(one.off_sketch) for one in (every[0], own))
+    return f"{away} from it, than to the one that it picks, {picked}; --assemblies draws all"

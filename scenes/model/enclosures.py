@@ -1,8 +1,10 @@
-"""What a model proves between the samples: enclosures of extremes over the whole range of the drive."""
+"""What a model proves: enclosures of extremes over the whole range of the drive, and all assemblies at a position."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
+
+from .motion import Motion
 
 
 class Enclosure(NamedTuple):
@@ -22,3 +24,23 @@ class Enclosures:
 
     rows: Sequence[Enclosure]  # none where the linkage is not shown to assemble all the way
     open_at: tuple[float, float] | None  # the first part of the range where that is not shown
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """One way to put the bodies together at a position of the drive."""
+
+    motion: Motion  # of one sample: where the points are, and the bodies' angles
+    meant: bool  # whether it is the one that the sketch picks
+    off_sketch: float  # m, how far the sketched points are from it, the root of the mean square
+    circuit: int | None  # by number: those of one can be reached without taking it apart; None where that is not known
+    meets: Sequence[tuple[float, str]]  # positions of the drive, rad or m, where it meets another, and at which joint
+
+
+@dataclass(frozen=True)
+class Assemblies:
+    """All ways to put the bodies together at a position of the drive, the nearest to the sketch first."""
+
+    position: float  # rad or m
+    found: Sequence[Assembly]
+    complete: bool  # whether it is proven that none is missed

@@ -12,7 +12,7 @@ import numpy as np
 
 from scenes import InputError, Motion, Scene, shipped
 from scenes.file.toml import SUMMARY_BYTES, read_text
-from scenes.model.enclosures import Enclosure
+from scenes.model.enclosures import Assemblies, Enclosure
 from scenes.model.motion import header
 from scenes.scene import SI
 
@@ -39,6 +39,7 @@ TABLES = ("peaks.csv", "enclosures.csv", "errors.csv", "speed.csv", "motion.*.cs
 REPORT = ("report.html", "summary.json", *TABLES)
 FAMILY = ("family.html", "family.json", "family.csv")
 MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
+ASSEMBLIES = ("assemblies.html", "assemblies.json")
 BLOCK = 4096  # rows of a motion that are text at a time
 
 
@@ -85,6 +86,17 @@ def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
     with _result(study, folder, MONTE_CARLO, known, monte_carlo_page, complete=study.complete) as (aside, place):
         _write_table(in_si(study), aside / "monte_carlo.csv")
     return place
+
+
+def write_assemblies(scene: Scene, every: Assemblies, folder: Path) -> Path:
+    """Write `assemblies.html` and `assemblies.json` beside a scene's report, and return the folder."""
+    from ..pages.assemblies import assemblies_page  # late, as what is of families
+
+    with placed(folder, scene.name, ASSEMBLIES) as aside:
+        known = {"complete": every.complete, "position": every.position, "assemblies": every.found}
+        (aside / ASSEMBLIES[1]).write_text(json_text(known), encoding="utf-8")
+        (aside / ASSEMBLIES[0]).write_text(assemblies_page(scene, every), encoding="utf-8")
+    return folder / scene.name
 
 
 @contextmanager
