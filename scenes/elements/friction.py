@@ -98,8 +98,8 @@ class FrictionTable(FileTable):
         """The friction, its numbers as they are; InputError where the keys do not go together."""
         if (self.at is None) == (self.slider is None):
             raise InputError(f"{place}: expected either 'at', a pin, or 'slider'")
-        size, other = ("radius", "length") if self.slider is None else ("length", "radius")
-        for key in (other, *(["body"] if self.slider is not None else [])):
+        size, others = ("radius", ["length"]) if self.slider is None else ("length", ["radius", "body"])
+        for key in others:
             if getattr(self, key) is not None:
                 raise InputError(f"{place}.{key}: expected '{'at' if key != 'length' else 'slider'}' with it")
         if getattr(self, size) is None:
@@ -117,11 +117,9 @@ def problems(scene: "Scene") -> Iterator[str]:
             if friction.slider not in scene.slides:
                 yield f"{place}.slider: no body '{friction.slider}' that slides{nearest(friction.slider, scene.slides)}"
         else:
-            pins = [pin for pin in scene.pins if pin.point == friction.at]
-            if not pins:
-                known = {pin.point for pin in scene.pins}
-                yield f"{place}.at: no pin '{friction.at}'{nearest(friction.at, known)}"
-            later = [pin.second for pin in pins]
+            later = [pin.second for pin in scene.pins if pin.point == friction.at]
+            if not later:
+                yield f"{place}.at: no pin '{friction.at}'{nearest(friction.at, [pin.point for pin in scene.pins])}"
             if friction.body is not None and friction.body not in later:
                 yield f"{place}.body: expected a later body at {friction.at}{nearest(friction.body, later)}"
         joint = friction.channel(scene)

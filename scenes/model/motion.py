@@ -159,8 +159,6 @@ class Motion:
 
 @dataclass(frozen=True)
 class _Channels:
-    """Which channels are wanted."""
-
     channels: frozenset[str] | None = field(default=None, kw_only=True)  # besides the time and the drive's; None: all
 
     def wanted(self, scene: Scene) -> tuple[str, ...]:
