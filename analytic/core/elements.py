@@ -68,6 +68,11 @@ class Loading:
         s, ds, _ = self.k.displaced(self.scene, self.scene.bodies[load.body].points[0])
         return load.acts(s, ds, self.given[place])
 
+    def twisted(self, spring: Twist, place: str) -> Any:
+        """The angle of a torsion spring, over whole turns."""
+        phi = twist(spring, self.k)
+        return phi + tau * np.floor((self.given[place] - phi) / tau + 0.5)
+
     def size(self, load: TabledLoad, constant: Number = None) -> Number:
         """The number of a load, N or N m, or that of its table."""
         if load.table is None:
@@ -123,11 +128,8 @@ def _spring(spring: Spring, _place: str, at: Loading) -> Acting:
 
 @acts.register
 def _torsion_spring(spring: Twist, place: str, at: Loading) -> Acting:
-    if sign := spring.drives(at.scene):
-        phi = sign * at.given["position"]
-    else:
-        phi = twist(spring, at.k)
-        phi = phi + tau * np.floor((at.given[place] - phi) / tau + 0.5)
+    sign = spring.drives(at.scene)
+    phi = sign * at.given["position"] if sign else at.twisted(spring, place)
     moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
     for body, share in ((spring.second, moment), (spring.first, -moment)):
         yield body, ActingForce(samples(0j), at.k.z[spring.at], share)

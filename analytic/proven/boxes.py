@@ -33,7 +33,6 @@ from ..solve import prepared
 LAST_PLACE = 2.0**-52  # of a number of the file, which was rounded when it was read and when it became SI
 LAW = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and of a spline's equations
 STROKE, PARTS, STROKE_LEVELS = 512, 64, 3  # boxes of a cycle, parts of a box, levels: how a stroke's end is found
-AROUND = 0.5  # rad: what the angle of a spring that twists, roughly known, is off by at most
 WAYS = 27  # in which three joints may move or rest; more are too many
 Numbers: TypeAlias = NDArray[np.intp]
 
@@ -103,7 +102,7 @@ class Boxes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
         wanted = [rows[name] for name in self.names] + conditions(self.program.reach)
         self._line = BoxLine(wanted, self.like, self.numbers)
-        self._choices = BoxLine([*self.program.choices.values()], self.like, self.numbers)
+        self._choices = BoxLine([*self.program.make.choices.values()], self.like, self.numbers)
 
     def __call__(self, low: Samples, high: Samples) -> tuple[TaylorModel, Numbers]:
         """The models of what is named and of the conditions, shape (rows, n), over boxes by their ends, shape (m,).
@@ -112,10 +111,10 @@ class Boxes:
         may turn back, is there several times, once for each way.
         """
         given, own = self.given(low, high), np.arange(len(low))
-        if self.program.choices:
+        if self.program.make.choices:
             made, own = _chosen(self._over(self._choices, given))
             given = {name: picked(one, own) for name, one in given.items()}
-            given |= {name: picked(made, row) for row, name in enumerate(self.program.choices)}
+            given |= {name: picked(made, row) for row, name in enumerate(self.program.make.choices)}
         return self._over(self._line, given), own
 
     def _over(self, line: BoxLine, given: Mapping[str, TaylorModel]) -> TaylorModel:
@@ -161,7 +160,7 @@ class Boxes:
             name: point(np.ravel(values), self.like) for name, values in guesses.items() if name not in Driven._fields
         }
         for name, winding in self.core.windings.items():
-            given[name] = point(winding(at.position), self.like, AROUND)
+            given[name] = point(winding(at.position), self.like)
         return given
 
 

@@ -66,7 +66,8 @@ class Recorder:
 
     def __init__(self, *, proven: bool = False) -> None:
         self.made: dict[tuple[Any, ...], Expression] = {}
-        self.proven = proven  # whether it is for an arithmetic of bounds, which alone has `within`
+        self.proven = proven  # whether it is for an arithmetic of bounds, which alone has `within` and choices
+        self.choices: dict[str, Expression] = {}  # by input: a whole number, bounds being found for one at a time
 
     def closed(self, closing: "Closing", of: Sequence[Expression]) -> Expression:
         """The coordinates at which a larger group closes, found by Newton's method, NaN where it does not.
@@ -85,6 +86,12 @@ class Recorder:
         if all(one.operation == "constant" and one.of[0] == 0 for one in b):
             return self.constant(0.0)
         return self._make("system", (*A, *b), sampled=True)
+
+    def choice(self, number: Expression) -> Expression:
+        """A whole number as an input."""
+        name = f"choice {number.order}"
+        self.choices[name] = number
+        return self.input(name, sampled=True)
 
     def component(self, system: Expression, i: int) -> Expression:
         """Return one of the unknowns of linear equations."""

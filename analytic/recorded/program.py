@@ -7,7 +7,7 @@ function theorem.
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import GROUND, ConstantSpeed, Friction, PressForce
+from scenes.scene import GROUND, ConstantSpeed, Friction, PressForce, TorsionSpring
 
 from ..channels import all_channels, asked
 from ..core.decomposition import Linkage, decompose
@@ -46,7 +46,6 @@ class Program:
     channels: Mapping[str, Expression]
     strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
     reach: Expression  # negative where a group does not reach, or its branch is open
-    choices: Mapping[str, Expression]  # by input: what whole number it is, where bounds are asked for
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
 
     @cached_property
@@ -66,7 +65,7 @@ def recorded(
 ) -> Program:
     """Record the core's own formulas of some channels, in which the numbers at `paths` stay open.
 
-    Where it is to be `proven` what they are, the frictions are recorded with what a few steps may leave of them.
+    Where it is to be `proven` what they are, as an arithmetic of bounds takes them.
     """
     make = Recorder(proven=proven)
     numbers = {path: Traced(make, make.input(path, sampled=False)) for path in scene.numbers if path in paths}
@@ -81,7 +80,6 @@ def recorded(
     k = way.solve().k
     on = Reactions()
     strokes: dict[str, tuple[Expression, Expression]] = {}
-    choices: dict[str, Expression] = {}
     if request.wants_forces(scene):
         for place, load in scene.elements:
             if isinstance(load, PressForce):
@@ -89,8 +87,7 @@ def recorded(
                 strokes[place] = s, ds
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
-        balance = RecordedBalance(opened, linkage, given, k)
-        on, choices = balance.solve(channels), balance.choices
+        on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve(channels)
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):
@@ -107,7 +104,7 @@ def recorded(
             least = np.minimum(least, chosen(branch * branch > 0, 1.0, -1.0))
     left = frozenset(own if channels is None else own & channels)
     by_path = {path: number.x for path, number in numbers.items()}
-    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, choices, left)
+    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, left)
 
 
 def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:
@@ -212,56 +209,18 @@ class RecordedPass(Pass):
         return [d.get(one.order, self.make.constant(0.0)) for one in of]
 
 
-@dataclass(frozen=True)
 class RecordedBalance(FrictionBalance):
     """Balances everything as expressions."""
-
-    choices: dict[str, Expression] = field(default_factory=dict)  # by input, what it is
 
     def settled(self, loads: Loads) -> Sequence[Any]:
         """The frictions; the reach is negative where more than a few steps would be needed."""
         w, bound = loads.solved()
-        make: Recorder = bound.make
-        if make.proven:
-            bound = loads.contraction
-            w = self.bounded(loads, w)
-        self.k.reach[f"friction {len(self.k.reach)}"] = chosen(bound < 1, 1.0, -1.0)
+        self.contracts(bound)
         return w
 
-    def bounded(self, loads: Loads, w: Sequence[Any]) -> list[Any]:
-        """The frictions with what a few steps may leave of them.
-
-        The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
-        contraction of that difference.
-        """
-        slopes = [one.slope() for one in loads.rubbing]
-        left = [np.abs(one) for one in loads.open(w, slopes)[0]]
-        sizes = ([one.size(s) for s in row] for one, row in zip(loads.rubbing, loads.S, strict=True))
-        largest = reduce(np.maximum, (reduce(np.add, map(np.multiply, row, left)) for row in sizes))
-        off = largest / (1.0 - loads.contraction)
-        every = zip(w, left, slopes, strict=True)
-        return [Traced(x.make, x.make("within", x.x, (own + np.abs(slope) * off).x)) for x, own, slope in every]
-
-    def rubbing(self, one: Friction) -> Rubbing:
-        """A friction as it acts."""
-        rubbing = super().rubbing(one)
-        return (
-            rubbing
-            if one.smooth is not None
-            else replace(rubbing, sense=self.choice(one.channel(self.scene), rubbing.sense))
-        )
-
-    def acting(self, load: PressForce, place: str) -> Any:
-        """Whether a press force acts."""
-        return self.choice(f"{place} acts", super().acting(load, place))
-
-    def choice(self, name: str, value: Any) -> Any:
-        """A whole number, which is an input where bounds are asked for: they are found for one of them at a time."""
-        make: Recorder = value.make
-        if not make.proven:
-            return value
-        self.choices[name] = value.x
-        return Traced(make, make.input(name, sampled=True))
+    def contracts(self, bound: Any) -> None:
+        """Have the reach negative where a bound on a map's contraction is not below one."""
+        self.k.reach[f"friction {len(self.k.reach)}"] = chosen(bound < 1, 1.0, -1.0)
 
     def larger(self, group: Group) -> None:
         """Balance a larger group: the multipliers of its constraints, from the transpose of their Jacobian."""
@@ -288,3 +247,38 @@ def _within(value: Any, off: Any) -> Traced:
 def _known(value: Any, otherwise: Any) -> Traced:
     """A real value, or another where no bounds of it are known."""
     return Traced(value.make, value.make("known", value.x, otherwise.x))
+
+
+class BoundedBalance(RecordedBalance):
+    """Balances everything as expressions of which an arithmetic finds bounds; whole numbers in them are inputs."""
+
+    def settled(self, loads: Loads) -> Sequence[Any]:
+        """The frictions with what a few steps may leave of them.
+
+        The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
+        contraction of that difference.
+        """
+        w, _ = loads.solved()
+        self.contracts(loads.contraction)
+        slopes = [one.slope() for one in loads.rubbing]
+        left = [np.abs(one) for one in loads.open(w, slopes)[0]]
+        sizes = ([one.size(s) for s in row] for one, row in zip(loads.rubbing, loads.S, strict=True))
+        largest = reduce(np.maximum, (reduce(np.add, map(np.multiply, row, left)) for row in sizes))
+        off = largest / (1.0 - loads.contraction)
+        every = zip(w, left, slopes, strict=True)
+        return [Traced(x.make, x.make("within", x.x, (own + np.abs(slope) * off).x)) for x, own, slope in every]
+
+    def rubbing(self, one: Friction) -> Rubbing:
+        """A friction as it acts, of one sense at a time."""
+        rubbing = super().rubbing(one)
+        return replace(rubbing, sense=rubbing.sense.whole) if one.smooth is None else rubbing
+
+    def acting(self, load: PressForce, place: str) -> Any:
+        """Whether a press force acts."""
+        return super().acting(load, place).whole
+
+    def twisted(self, spring: TorsionSpring, place: str) -> Any:
+        """The angle of a torsion spring, counted from what it is roughly, as a jump by a turn has no bounds."""
+        rough: Any = self.given[place]
+        turned: Any = self.k.u[spring.second] * self.k.u[spring.first].conjugate() * np.exp(-1j * rough)
+        return rough + np.arctan2(turned.imag, turned.real)

@@ -40,6 +40,11 @@ class Traced(NDArrayOperatorsMixin):
         return Traced(self.make, self.y)
 
     @property
+    def whole(self) -> "Traced":
+        """A whole number, as an arithmetic of bounds takes it."""
+        return Traced(self.make, self.make.choice(self.x) if self.make.proven and self.x.sampled else self.x)
+
+    @property
     def is_real(self) -> bool:
         """Whether there is no part along y."""
         return bool(self.y.operation == "constant" and self.y.of[0] == 0)
@@ -116,8 +121,9 @@ def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
 
 COMPARING = "minimum", "maximum", "less", "less_equal"
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{name: partial(_real, name) for name in ("sqrt", "floor", "tanh", "arctan2", *COMPARING)},
+    **{name: partial(_real, name) for name in ("sqrt", "tanh", "arctan2", *COMPARING)},
     **{name: partial(_each, name) for name in ("add", "subtract", "negative")},
+    "floor": lambda a: _real("floor", a).whole,
     "multiply": _product,
     "bitwise_and": _product,
     "divide": _quotient,

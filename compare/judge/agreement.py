@@ -117,7 +117,7 @@ class Judgement:
         doubt = self.reference.floor.doubt
         asked = any(m.run.engine == REFERENCE for m in self.measurements)
         doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not asked else []
-        limits = [limit.text for limit in self.limits if limit.outcome != MET]
+        limits = [f"limits.{limit.text}" for limit in self.limits if limit.outcome != MET]
         lines = [Miss("", "", line) for line in (*limits, *self.let_through)]
         misses = doubted + missed(self.measurements, self.held) + lines
         return sorted(misses, key=lambda miss: miss.engine != REFERENCE) if doubt else misses

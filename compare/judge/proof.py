@@ -52,7 +52,7 @@ def held(scene: Scene, sampling: Sampling, proof: Enclosures) -> Iterator[HeldLi
             low, high = (f"{bound / size:.7g}" for bound in (row.low, row.high))
             found = f"{low} {unit}" if low == high else f"between {low} and {high} {unit}"
             where = f" {place(scene, row[4:])}" if row in proof.rows else ""
-            text = f"limits.{name}: at {extreme} {limit / size:g} {unit}: {outcome}, {found}{where}"
+            text = f"{name}: at {extreme} {limit / size:g} {unit} {outcome}: {found}{where}"
             yield HeldLimit(limit, row, outcome, text)
 
 

@@ -7,13 +7,13 @@ from scenes.model.enclosures import Enclosure
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
 
 from ...judge.agreement import Judgement
-from ...judge.proof import place
+from ...judge.proof import MET, place
 from ...mechanics.axis import turns_fully
-from ..numbers import capital, units, written
+from ..numbers import units, written
 from . import TableRows
 
 DIGITS = 6  # shown of a bound
-NOTHING = 1e-12  # of the largest value of a unit: what is less is round-off
+NOTHING = 2e-6  # of the largest value of a unit: no closer is a bound known that is zero
 
 
 def bounds(study: Judgement) -> TableRows:
@@ -26,6 +26,11 @@ def bounds(study: Judgement) -> TableRows:
     return [*rows.values()]
 
 
+def limits(study: Judgement) -> list[str]:
+    """Every limit of the scene with its outcome, in a sentence."""
+    return [f"{limit.text}." for limit in study.limits]
+
+
 def bound(study: Judgement, row: Enclosure) -> str:
     """What an extreme is not beyond."""
     unit = UNITS[quantity(row.channel)]
@@ -34,7 +39,7 @@ def bound(study: Judgement, row: Enclosure) -> str:
     if isinf(value):
         return "not known"
     if abs(value) <= NOTHING * max(alike):
-        return "0"
+        return "≈ 0" if value else "0"
     factor = units(study.reference).get(unit, (1.0, ""))[0]
     place = 10.0 ** (DIGITS - 1 - floor(log10(abs(value * factor))))
     outwards = sign * ceil(sign * value * factor * place) / place / factor
@@ -42,7 +47,7 @@ def bound(study: Judgement, row: Enclosure) -> str:
 
 
 def sentences(study: Judgement) -> Iterator[str]:
-    """Yield what is proven, or where it is not, and every limit of the scene with its outcome."""
+    """Yield what is proven, or where it is not, how many limits of the scene are met, and those that are not."""
     scene, proof = study.scene, study.proof
     over = f"over the whole {'turn' if turns_fully(scene) else 'range of the drive'}"
     if proof.open_at is not None:
@@ -60,5 +65,7 @@ def sentences(study: Judgement) -> Iterator[str]:
             if row[:2] == (TRANSMISSION, "least"):
                 proofs.append(f"no transmission angle is below {bound(study, row)} ({place(scene, row[4:])})")
         yield f"Proven {over}, between the samples too: {', '.join(proofs)}."
-    for limit in study.limits:
-        yield f"{capital(limit.text)}."
+    open_limits = [limit.text for limit in study.limits if limit.outcome != MET]
+    if study.limits:
+        met = f"{len(study.limits) - len(open_limits)} of {len(study.limits)} limits are met at every position"
+        yield f"{'; '.join([met, *open_limits])}."
