@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import partial, reduce
+from math import inf
 from typing import TypeAlias
 
 import numpy as np
@@ -184,7 +185,9 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
 
 def conditions(reach: Expression) -> list[Expression]:
     """What has to be positive for the least of it to be."""
-    return [one for of in reach.of for one in conditions(of)] if reach.operation == "minimum" else [reach]
+    if reach.operation == "minimum":
+        return [one for of in reach.of for one in conditions(of)]
+    return [] if reach.of == (inf,) else [reach]  # a crank alone always reaches
 
 
 def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> list[TaylorModel]:

@@ -60,8 +60,9 @@ class TaylorModel:
 
     @property
     def range(self) -> tuple[Samples, Samples]:
-        """Bounds of the values, shape (n,)."""
-        return self.c[0] - self.radius, self.c[0] + self.radius
+        """Bounds of the values, shape (n,), which no rounding leaves within them."""
+        off = self.radius + ROUNDED * self.sizes[0]
+        return self.c[0] - off, self.c[0] + off
 
     def __neg__(self) -> "TaylorModel":
         return TaylorModel(-self.c, self.rest)
