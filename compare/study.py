@@ -44,17 +44,17 @@ class Study(Judgement):
     @cached_property
     def cheapest(self) -> list[work_precision.Choice]:
         """The cheapest setting for every error."""
-        return work_precision.choices(self.speed)
+        return [*work_precision.choices(self.speed)]
 
     @cached_property
     def orders(self) -> list[work_precision.Order]:
         """Every family's order of convergence, see `work_precision.orders`."""
-        return work_precision.orders(self.speed, group_floors(self.reference))
+        return [*work_precision.orders(self.speed, group_floors(self.reference))]
 
     @cached_property
     def step_costs(self) -> list[work_precision.StepCost]:
         """The cost of a step in every family, see `work_precision.step_costs`."""
-        return work_precision.step_costs(self.speed)
+        return [*work_precision.step_costs(self.speed)]
 
 
 def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Judgement:

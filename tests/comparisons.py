@@ -15,7 +15,7 @@ from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import ChannelError, compare, error_table, shown_groups
 from compare.judge.measure import Measurement
-from compare.measure.speed.timing import Again, Budget, Times, take_turns
+from compare.measure.speed.timing import Again, Budget, take_turns
 from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from compare.mechanics.reference import Reference
 from compare.study import Study, study
@@ -48,7 +48,7 @@ def only_few_settings() -> Iterator[None]:
     def first(engine: str, *, full: bool) -> Mapping[Settings, str]:
         return dict(islice(settings_of(engine, full=full).items(), 4))
 
-    def once(first: Sequence[Run], again: Again, _: Budget, *others: Any) -> list[Times]:
+    def once(first: Sequence[Run], again: Again, _: Budget, *others: Any) -> list[list[Run]]:
         return take_turns(first, again, Budget(1, 0.0), *others)
 
     with pytest.MonkeyPatch.context() as patch:
@@ -83,7 +83,7 @@ def violations(reference: Reference, motion: Motion) -> dict[tuple[str, str], fl
 
 def rows_of(reference: Reference, motion: Motion, sampling: Sampling = SAMPLING) -> list[ChannelError]:
     """The errors of a motion, a row a channel."""
-    return error_table("x", compare(reference, sampling, motion), reference)
+    return [*error_table("x", compare(reference, sampling, motion), reference)]
 
 
 class Stub:

@@ -117,7 +117,7 @@ def test_ci_finds_the_commands_that_it_runs(mark: str, end: str) -> None:
 def test_ratios_of_times(fresh: Judgement) -> None:
     speed = speed_table(fresh.reference, ("exudyn", "pymunk"), Budget(3, 0.0), lambda _: None)
     found = (
-        pd.DataFrame(choices(speed))
+        pd.DataFrame([*choices(speed)])
         .query("group == 'reaction' and note == ''")
         .set_index(["engine", "level"])["solve_s"]
     )

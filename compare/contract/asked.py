@@ -75,7 +75,7 @@ def outcome(engine: str, scene: Scene, request: Sampling = SAMPLING, settings: S
     measured = assess(reference(scene.name), request, ended, explain(reference(scene.name), request))
     if measured.run.status is Status.ok:
         return ""
-    causes = sentences(reference(scene.name), request, [measured])
+    causes = sentences(reference(scene.name), [measured])
     return "; likely cause: ".join([f"{measured.run.status.name}, {measured.run.reason}", *causes.values()])
 
 

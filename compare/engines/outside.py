@@ -60,10 +60,9 @@ class Entry:
     @cached_property
     def version(self) -> str:
         """Return the installed version of what does the work, without importing it."""
-        try:
+        with suppress(PackageNotFoundError):
             return self.outside or f"{self.distribution} {version(self.distribution)}"
-        except PackageNotFoundError:
-            return "not installed"
+        return "not installed"
 
 
 def entries(taken: Collection[str]) -> dict[str, Entry]:

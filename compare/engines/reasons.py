@@ -14,10 +14,9 @@ CALLERS = ("compare", "importlib")  # packages from which an engine is called
 
 def text_of(value: object) -> str:
     """Return the text of anything as one clean line, none where that itself fails."""
-    try:
+    with suppress(BaseException):  # an engine's own class can do anything here
         return one_line(str(value))
-    except BaseException:  # an engine's own class can do anything here
-        return ""
+    return ""
 
 
 def described(error: BaseException) -> str:

@@ -130,7 +130,7 @@ class Judgement:
             return {}
         from .triage import sentences  # late: most runs have nothing to find a cause for
 
-        return sentences(self.reference, self.sampling, self.measurements, off)
+        return sentences(self.reference, self.measurements, off)
 
     @property
     def agreement(self) -> Agreement:

@@ -81,7 +81,7 @@ def checks(
                 channel = [*own][int(np.argmax([*own.values()]))]
                 violations[group, channel, RELATIVE] = estimated.errors[channel]
         if mechanics.forces and motion.samples.keys() >= {*mechanics.forces}:
-            violations |= _balances(mechanics, state, travel, estimated, may or state.acts(state.stroke_ends()))
+            violations |= _balances(mechanics, state, travel, estimated, may or [*state.acts(state.stroke_ends())])
     worst = []
     for (check, of, relative_to), violation in violations.items():
         row = int(violation.argmax())

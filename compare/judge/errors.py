@@ -5,7 +5,7 @@ and at the one commanded: the difference between the two errors is the drive's, 
 interpolated.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import NamedTuple
@@ -107,12 +107,12 @@ def group_floors(reference: Reference) -> dict[str, float]:
 
 def error_table(
     engine: str, comparison: Comparison, reference: Reference, explained: Explained | None = None
-) -> list[ChannelError]:
-    """One row a channel; no error is shown below the reference's floor, or for the reference without one."""
+) -> Iterator[ChannelError]:
+    """Yield a row a channel; no error is shown below the reference's floor, or for the reference without one."""
     known = comparison.actual if explained is None else explained.left_over(comparison.actual)
     least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
     last_turn, toggle = comparison.last_turn, np.flatnonzero(comparison.toggle)
-    table, mechanics = [], reference.mechanics
+    mechanics = reference.mechanics
     for channel, error in comparison.actual.items():
         commanded, worst = comparison.commanded[channel], int(error.argmax())
         floor = reference.floor.by_channel.get(channel, np.nan)
@@ -122,9 +122,7 @@ def error_table(
         explains = np.nan if explained is None else float(explained.error(channel).max())
         at = float(comparison.axis[worst]), mechanics.axis.unit
         scale = reference.scale[channel], mechanics.units[channel]
-        row = engine, channel, mechanics.groups[channel], *shown, explains, *at, floor, *scale
-        table.append(ChannelError._make(row))
-    return table
+        yield ChannelError._make((engine, channel, mechanics.groups[channel], *shown, explains, *at, floor, *scale))
 
 
 def worst_of(rows: Sequence[ChannelError], figure: str = "max") -> ChannelError:

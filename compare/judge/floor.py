@@ -58,9 +58,8 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(scene)}"
     floor = {channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}
     worst = max(floor, key=floor.__getitem__)
-    limit = (
-        f", all that doubles leave of {worst}: {explained.why(worst)}" if not floor[worst] <= settings.promise else ""
-    )
+    kept = floor[worst] <= settings.promise
+    limit = "" if kept else f", all that doubles leave of {worst}: {explained.why(worst)}"
     return replace(reference, floor=Floor(floor, by, doubt, limit))
 
 

@@ -4,7 +4,7 @@ The half of the last decimal explains an error of a channel, and that of the ins
 the checks of the result's own output it explains what they find in the reference, written as the result is.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -58,19 +58,19 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
     return replace(measured, run=run)
 
 
-def coarse(measured: Measurement) -> list[str]:
-    """A sentence where decimals excuse more than an ok result promises, or would have to excuse more than they may."""
+def coarse(measured: Measurement) -> Iterator[str]:
+    """Yield a sentence where decimals excuse more than an ok result promises, or would excuse more than they may."""
     run, errors = measured.run, [row for row in measured.errors if row.group != "drive"]  # which is an input
     if not errors or run.settings is None:
-        return []
+        return
     ok = run.status is Status.ok
     worst = worst_of(errors, "explained" if ok else "unexplained")
-    sentence = "is written too coarsely: its decimals are of more than the 1 % that they may excuse"
-    if ok:
+    if ok and worst.explained > run.settings.promise:
         off = f"may be off by {share(worst.explained)} unnoticed"
-        sentence = f"{off}, by its decimals or next to a singular configuration"
-    too_coarse = worst.explained > run.settings.promise if ok else worst.explained >= MOST
-    return [f"{run.engine}: {worst.channel} {sentence}"] if too_coarse else []
+        yield f"{run.engine}: {worst.channel} {off}, by its decimals or next to a singular configuration"
+    elif not ok and worst.explained >= MOST:
+        why = "its decimals are of more than the 1 % that they may excuse"
+        yield f"{run.engine}: {worst.channel} is written too coarsely: {why}"
 
 
 def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samples) -> Samples:

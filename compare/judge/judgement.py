@@ -128,10 +128,9 @@ def notes(scene: Scene) -> Iterator[str]:
             for height in heights(body.corners, body.points, body.local, body.lengths):
                 if height <= NARROW:
                     flat = f"a height of {100 * height:.2g} % of its longest side"
-                    yield (
-                        f"{name}, of three points nearly on one line ({flat}), is taken for a uniform triangular plate;"
-                        " a bar has up to twice the inertia: give com and inertia, or put the points on the line"
-                    )
+                    plate = f"of three points nearly on one line ({flat}), is taken for a uniform triangular plate"
+                    instead = "give com and inertia, or put the points on the line"
+                    yield f"{name}, {plate}; a bar has up to twice the inertia: {instead}"
 
 
 def point_masses(scene: Scene) -> Iterator[str]:

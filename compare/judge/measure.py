@@ -6,8 +6,6 @@ from functools import partial
 from math import nan
 from typing import NamedTuple
 
-import numpy as np
-
 from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
 from scenes.model.motion import quantity
 
@@ -56,7 +54,7 @@ class Measurement:
     @property
     def largest(self) -> float:
         """The largest error of all channels, not a number where none is known."""
-        return worst_of(self.errors).max if self.errors else np.nan
+        return worst_of(self.errors).max if self.errors else nan
 
 
 def measure(
@@ -97,7 +95,7 @@ def assess(
         if verdict.status is Status.ok and not reference.floor.doubt:
             verdict = replace(verdict, status=Status.diverged, reason=reason, found_by="reference")
         return Measurement(verdict, None, checked, asked=sampling)
-    table = error_table(outcome.engine, comparison, reference, explained)
+    table = [*error_table(outcome.engine, comparison, reference, explained)]
     unexplained = explained.left_over(comparison.commanded)
     doubt = reference.floor.doubt
     if not doubt:

@@ -82,29 +82,25 @@ def likeliest(evidence: Evidence) -> Cause:
     return replace(best.cause, left=left, others=others)
 
 
-def sentences(
-    reference: Reference, sampling: Rows, measurements: Sequence[Measurement], off: Collection[str] = ()
-) -> dict[str, str]:
+def sentences(reference: Reference, measurements: Sequence[Measurement], off: Collection[str] = ()) -> dict[str, str]:
     """Return a line for each engine whose cause is known; where the core is in doubt, for it alone.
 
     Engines that are ok, or returned no motion, have none; but those in `off` have one, which are ok and miss a
-    tolerance. The reference is that after all engines have been heard, `sampling` what was asked of them.
+    tolerance. The reference is that after all engines have been heard.
     """
     if doubt := reference.floor.doubt:
         return {REFERENCE: f"{REFERENCE}: {doubt}"}
     failed = [m for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
     alone = len(failed) == 1 and len(measurements) > 2 and _alone(failed[0], measurements)
-    causes = {
-        m.run.engine: Cause(Kind.solver, "all", COARSE, names=(m.finer,))
-        if m.finer  # others leave hardly any of the error
-        else cause(reference, m.asked if m.foreign else sampling, m.run.motion)
-        for m in failed
-        if m.run.motion is not None
-    }
-    agree = ", the others agree" * alone
-    return {
-        engine: f"{engine}: {words(reference.scene, own)}{agree}" for engine, own in causes.items() if own != UNKNOWN
-    }
+    lines = {}
+    for m in failed:
+        if m.run.motion is None:
+            continue
+        coarse = Cause(Kind.solver, "all", COARSE, names=(m.finer,))  # others leave hardly any of the error
+        own = coarse if m.finer else cause(reference, m.asked, m.run.motion)
+        if own != UNKNOWN:
+            lines[m.run.engine] = f"{m.run.engine}: {words(reference.scene, own)}{', the others agree' * alone}"
+    return lines
 
 
 def _alone(failed: Measurement, measurements: Sequence[Measurement]) -> bool:

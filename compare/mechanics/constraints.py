@@ -170,8 +170,7 @@ class Constraints:
         spin, other_spin, turn = (1j * omega[:, bodies] for bodies in (self._first, self._second, self._frame))
         dw = rate[:, self._first] + spin * arm - rate[:, self._second] - other_spin * other
         ddw = spin**2 * arm - other_spin**2 * other
-        bending: Samples = (along.conj() * (ddw - 2 * turn * dw + turn**2 * w)).real
-        return bending
+        return np.asarray((along.conj() * (ddw - 2 * turn * dw + turn**2 * w)).real)
 
     def _parts(self, q: Poses) -> tuple[Vectors, Vectors, Vectors, Vectors]:
         """The vectors d e^(iθₖ), w, rᵢ e^(iθᵢ) and rⱼ e^(iθⱼ) of all constraints."""

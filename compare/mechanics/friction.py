@@ -50,8 +50,7 @@ def unresting(mechanics: Mechanics, motion: Motion, errors: dict[str, Samples]) 
 def load(scene: Scene, one: Friction, forces: Mapping[str, Samples]) -> Samples:
     """What friction goes by, N, from channels of forces: that of a pin, or of both ends of a guide's contact."""
     if isinstance(one, PinFriction):
-        size: Samples = np.hypot(*(forces[f"{one.pin(scene).channel}.{axis}"] for axis in ("fx", "fy")))
-        return size
+        return np.asarray(np.hypot(*(forces[f"{one.pin(scene).channel}.{axis}"] for axis in ("fx", "fy"))))
     normal, couple = (forces[f"{one.slider}.guide_{of}"] for of in ("force", "moment"))
     return np.abs(normal / 2 - couple / one.length) + np.abs(normal / 2 + couple / one.length)
 

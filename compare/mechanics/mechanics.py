@@ -1,14 +1,12 @@
 """One linkage, prepared to be judged: what follows from its scene alone, worked out once and handed on."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
-from itertools import groupby
-from typing import NamedTuple
 
 import numpy as np
 
 from scenes import Failure, Scene
-from scenes.fields import At, put, walk
+from scenes.fields import Number, put, walk
 from scenes.model.motion import UNITS, channels, force_channels, friction_channels, quantity
 
 from ..engines import registry
@@ -81,34 +79,21 @@ class Mechanics:
     def neighbours(self) -> tuple[registry.Solve, ...]:
         """Solvers of the scene with its lengths and places a few last places off; none where one cannot be solved."""
         draw, off = np.random.default_rng(SEED), ULPS * np.finfo(float).eps
-        lengths = [one for one in inputs(self.scene) if one.dimension == "length"]
+        lengths = [one for one in inputs(self.scene) if one.quantity.dimension == "length"]
 
         def jittered(value: float) -> float:
             return value * (1 + off * float(draw.choice((-1.0, 1.0))))
 
         try:
-            others = [put(self.scene, {one.at: one.each(jittered) for one in lengths}) for _ in range(DRAWS)]
+            others = [put(self.scene, {one.at: jittered(one.value) for one in lengths}) for _ in range(DRAWS)]
             return tuple(registry.reference(other, frozenset(self.units)) for other in others)
         except Failure:
             return ()
 
 
-class Input(NamedTuple):
-    """A number of a scene, SI, or several that belong together: a vector, or the forces of a table."""
-
-    at: At
-    value: float | tuple[float, ...]
-    dimension: str  # `length` of lengths and places
-
-    def each(self, other: Callable[[float], float]) -> float | tuple[float, ...]:
-        """The value with another number in the place of each."""
-        return tuple(map(other, self.value)) if isinstance(self.value, tuple) else other(self.value)
-
-
-def inputs(scene: Scene) -> Iterator[Input]:
-    """Yield the inputs of a scene but for those that say where the drive is, and where a load changes."""
-    for at, together in groupby(walk(scene), lambda n: n.at[:-1] if isinstance(n.at[-1], int) else n.at):
-        first, *others = together
-        if at[0] != "sketch" and (at[0], at[-1]) not in LEFT_OUT:
-            value = (first.value, *(other.value for other in others)) if isinstance(first.at[-1], int) else first.value
-            yield Input(at, value, first.quantity.dimension)
+def inputs(scene: Scene) -> Iterator[Number]:
+    """Yield the numbers of a scene but for those that say where the drive is, and where a load changes."""
+    for number in walk(scene):
+        name = next(key for key in reversed(number.at) if not isinstance(key, int))
+        if number.at[0] != "sketch" and (number.at[0], name) not in LEFT_OUT:
+            yield number

@@ -3,7 +3,7 @@
 Plane vectors are complex numbers: i v is v turned by +90 degrees, and conj(a) b = a . b + i (a x b).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
 
@@ -120,10 +120,7 @@ class MotionVectors:
 
     def stroke_ends(self) -> tuple[float, ...]:
         """Where the closing stroke of every press force ends, m; a slider has one for each way of closing."""
-        presses = press_forces(self.scene)
-        unlike = {(load.body, load.closing): load for load in presses}
-        ends = {way: self.stroke_end(load) for way, load in unlike.items()}
-        return tuple(ends[load.body, load.closing] for load in presses)
+        return tuple(map(self.stroke_end, press_forces(self.scene)))
 
     def pressed(self, ends: Sequence[float]) -> Self:
         """The same with the press forces acting as it shows, whose strokes end at `ends`, m."""
@@ -131,15 +128,13 @@ class MotionVectors:
         acting = [load.acts(*self.displacement(self.scene.bodies[load.body])[:2], end) for load, end in presses]
         return replace(self, acting=acting)
 
-    def acts(self, ends: Sequence[float]) -> list[Acts]:
-        """Whether press forces, whose strokes end at `ends`, m, act a hair less and more far and fast, each (4, n)."""
-        acts = []
+    def acts(self, ends: Sequence[float]) -> Iterator[Acts]:
+        """Yield whether press forces, whose strokes end at `ends`, m, act a hair less and more far and fast, (4, n)."""
         for load, end in zip(press_forces(self.scene), ends, strict=True):
             x, v, _ = self.displacement(self.scene.bodies[load.body])
             dx = HAIR * np.ptp(x)
             dv = np.where(np.abs(end - x) <= dx, TURNING, HAIR) * np.abs(v).max()
-            acts.append(np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)]))
-        return acts
+            yield np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)])
 
 
 def press_forces(scene: Scene) -> tuple[PressForce, ...]:

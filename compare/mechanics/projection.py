@@ -46,11 +46,8 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
         poses = mechanics.constraints.closed(block)
         given = ("time", mechanics.scene.drive_channel, *(c for c in mechanics.friction if c in block))
         closed = {c: block[c] for c in given} | _kinematics(mechanics, poses)
-        acting, fitting = (
-            _loads(mechanics, block, Motion(closed), poses.inverse, ends)
-            if mechanics.forces and {*mechanics.friction} <= closed.keys()
-            else ({}, {})
-        )
+        loaded = mechanics.forces and {*mechanics.friction} <= closed.keys()
+        acting, fitting = _loads(mechanics, block, Motion(closed), poses.inverse, ends) if loaded else ({}, {})
         parts.append(({**closed, **acting}, fitting, {"branch": poses.branch, "condition": poses.condition}))
     closed, fitting, known = (
         {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}

@@ -6,6 +6,7 @@ unit and sign, q its zero.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from itertools import product
 from math import pi, remainder
 
@@ -62,10 +63,8 @@ def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
     """Return the names and numbers of the columns that have nothing else, at some rows."""
     numeric: dict[str, Samples] = {}
     for name in table.columns:
-        try:
+        with suppress(InputError):
             numeric[name] = table.numbers(name)[0]
-        except InputError:
-            continue
     if not numeric:
         raise InputError("expected columns of numbers, found none")
     count = len(table.texts[0])

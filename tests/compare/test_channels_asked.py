@@ -169,7 +169,7 @@ def test_one_channel_of_a_press_on_its_switch() -> None:
             well, badly = (assess(pressing, few, run, explain(pressing, few)) for run in runs)
             assert well.run.status is Status.ok, well.run.reason
             assert badly.run.status is not Status.ok, channel
-            assert len(sentences(pressing, few, [badly], set())) <= 1  # of one number a cause may be unknown
+            assert len(sentences(pressing, [badly], set())) <= 1  # of one number a cause may be unknown
             assert peaks(pressing, few, [well, badly]) is not None
 
 
@@ -184,7 +184,7 @@ def test_some_channels_of_some_places_are_judged(seed: int) -> None:
     off = {c: values + 0.1 * reference.scale[c] for c, values in motion.samples.items() if c in some}
     wrong = Motion({c: off.get(c, motion[c]) for c in few.wanted(reference.scene)})
     run = Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=wrong)
-    assert sentences(reference, few, [assess(reference, few, run, explain(reference, few))], set()) is not None
+    assert sentences(reference, [assess(reference, few, run, explain(reference, few))], set()) is not None
 
 
 def test_gates_of_what_is_not_asked_for_are_left_out() -> None:

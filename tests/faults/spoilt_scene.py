@@ -154,7 +154,7 @@ def geometry(clean: Clean) -> Iterator[Fault]:
 
 def rescaled(scene: Scene, by: float) -> Scene:
     """Return the whole linkage larger or smaller; its forces and speeds stay."""
-    larger = {one.at: one.each(lambda length: by * length) for one in inputs(scene) if one.dimension == "length"}
+    larger = {one.at: by * one.value for one in inputs(scene) if one.quantity.dimension == "length"}
     other: Scene = put(scene, larger)
     return other
 

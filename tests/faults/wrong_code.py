@@ -16,8 +16,8 @@ from compare.engines.registry import REFERENCE
 from compare.engines.runner import Run, Runs, run
 from compare.judge.agreement import Judgement
 from compare.judge.canaries.canaries import canaries
+from compare.judge.canaries.noticed import CLEAR
 from compare.judge.canaries.spoilt_motion import shifted
-from compare.judge.canaries.thinned import CLEAR
 from compare.judge.causes.cause import Kind
 from compare.judge.floor import establish
 from compare.judge.judgement import judgement

@@ -132,11 +132,10 @@ class Worker(Generic[Item, Result]):
 
     def _processor_time(self) -> float:
         """Seconds that the process has used. A limit by `setrlimit` would make its own clock go by ticks of 4 ms."""
-        try:
+        with suppress(OSError):  # it has just ended
             clock = ~self._engine << 3 | 2  # of clock_getcpuclockid(3)
             return time.clock_gettime(clock) if LINUX and self._engine else 0.0
-        except OSError:  # it has just ended
-            return 0.0
+        return 0.0
 
     def _died(self) -> Ended:
         """Return how it ended that gave no answer; it may go on, its connection closed."""

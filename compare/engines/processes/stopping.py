@@ -4,7 +4,7 @@ The first asks to stop at the next safe point and to keep what is done, the seco
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from signal import SIGINT, signal
 from types import FrameType
 from typing import TypeAlias, TypeVar
@@ -37,7 +37,5 @@ def stoppable() -> Iterator[Callable[[], bool]]:
 
 def kept(items: Iterable[T]) -> Iterator[T]:
     """Yield items as they come, and no more once the user asked to stop."""
-    try:
+    with suppress(Stopped):
         yield from items
-    except Stopped:
-        return

@@ -16,19 +16,8 @@ from scenes.model.motion import force_channels, friction_channels
 
 from ...engines import registry
 from ..agreement import Judgement
+from . import noticed
 from . import spoilt_motion as spoilt
-from .thinned import (
-    CLEAR,
-    Noticed,
-    Thinned,
-    each_channel_is_seen,
-    each_check_alone,
-    incomplete,
-    refused,
-    refused_if_moved,
-    stops_without_a_motion,
-    thinned,
-)
 
 APART = 0.1  # of the scale: components that are nearer, as where no force acts, are not worth swapping
 
@@ -39,16 +28,16 @@ def canaries(judgement: Judgement) -> list[str]:
     ok = [run for run in runs if registry.ENTRIES[run.engine].everything]  # one of fewer channels lacks what is broken
     if not ok or judgement.reference.floor.doubt:
         return []
-    copies = [thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]
-    compared = (copies[-1], ("an error in one channel or another", each_channel_is_seen))  # the least accurate, at best
+    copies = [noticed.thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]
+    compared = copies[-1], ("an error in one channel or another", noticed.each_channel_is_seen)  # the least accurate
     return [
         f"the comparison itself: it lets through {copy.run.engine} with {wrong}"
-        for copy, (wrong, noticed) in (*zip(cycle(copies), _canaries(copies[0]), strict=False), compared)  # in turn
-        if not noticed(copy)
+        for copy, (wrong, sees) in (*zip(cycle(copies), _canaries(copies[0]), strict=False), compared)  # in turn
+        if not sees(copy)
     ]
 
 
-def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
+def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
     """Yield what is wrong with each copy, in words, and whether that is noticed; of the channels that there are."""
     scene, count, scale = first.scene, first.sampling.count, first.reference.scale
     drive = scene.drive_channel
@@ -57,14 +46,14 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     largest = max(sizes, key=sizes.__getitem__)
 
     opposite = partial(spoilt.scaled, names=[largest], factor=-1)
-    yield f"{largest} of the opposite sign", partial(refused_if_moved, opposite)
+    yield f"{largest} of the opposite sign", partial(noticed.refused_if_moved, opposite)
     vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x") and f"{c[:-1]}y" in sizes]
     apart = [np.abs(first.motion[x] - first.motion[y]).max() / scale[x] for x, y in vectors]
     for x, y in [vector for vector, share in zip(vectors, apart, strict=True) if share > APART][-1:]:
-        yield f"{x} and {y} swapped", partial(refused, partial(spoilt.swapped, first=[x], second=[y]))
-    late = partial(spoilt.taken, rows=[0, *range(count - 1)])
-    yield "all late by a sample", partial(refused, partial(late, names={*channels, drive}))
-    yield "all but the drive late by a sample", partial(refused_if_moved, partial(late, names=channels))
+        yield f"{x} and {y} swapped", partial(noticed.refused, partial(spoilt.swapped, first=[x], second=[y]))
+    every, late = {*channels, drive}, partial(spoilt.taken, rows=[0, *range(count - 1)])
+    yield "all late by a sample", partial(noticed.refused, partial(late, names=every))
+    yield "all but the drive late by a sample", partial(noticed.refused_if_moved, partial(late, names=channels))
     yield "a drive that lags", _lagging
     if scene.has_masses and first.complete:
         yield "another mass", _another_mass
@@ -72,28 +61,28 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     row = 1 + int(np.abs(np.diff(first.true[drive])).argmax())
     frozen = [*range(row), row - 1, *range(row + 1, count)]
     if first.complete:
-        yield "a row repeated", partial(incomplete, partial(spoilt.taken, rows=frozen, names={*channels, drive}))
+        yield "a row repeated", partial(noticed.incomplete, partial(spoilt.taken, rows=frozen, names=every))
     for value in (np.nan, np.inf):
         no_number = partial(spoilt.at_row, name=largest, row=count // 3, value=value)
-        yield f"{value} in {largest}", partial(incomplete, no_number)
+        yield f"{value} in {largest}", partial(noticed.incomplete, no_number)
     without = partial(spoilt.without, names={largest})
-    yield f"{largest} missing", partial(incomplete, without)
-    yield f"{largest} declared unsupported", partial(incomplete, partial(without, reason="a canary"))
-    yield "a row too few", partial(incomplete, partial(spoilt.taken, rows=range(count - 1)))
-    yield "no motion", stops_without_a_motion
+    yield f"{largest} missing", partial(noticed.incomplete, without)
+    yield f"{largest} declared unsupported", partial(noticed.incomplete, partial(without, reason="a canary"))
+    yield "a row too few", partial(noticed.incomplete, partial(spoilt.taken, rows=range(count - 1)))
+    yield "no motion", noticed.stops_without_a_motion
 
     if first.complete:
-        yield "all channels too large, by one check or another", partial(each_check_alone, 1)
-        yield "all channels too small, by one check or another", partial(each_check_alone, -1)
+        yield "all channels too large, by one check or another", partial(noticed.each_check_alone, 1)
+        yield "all channels too small, by one check or another", partial(noticed.each_check_alone, -1)
 
 
-def _lagging(copy: Thinned) -> bool:
+def _lagging(copy: noticed.Thinned) -> bool:
     """Whether it is noticed that the drive lags by a little more than it may, and nothing else."""
-    lag = float(copy.amounts(CLEAR)[copy.drive].max())
-    return refused(partial(spoilt.shifted, by={copy.drive: -lag}), copy)
+    lag = float(copy.amounts(noticed.CLEAR)[copy.drive].max())
+    return noticed.refused(partial(spoilt.shifted, by={copy.drive: -lag}), copy)
 
 
-def _another_mass(copy: Thinned) -> bool:
+def _another_mass(copy: noticed.Thinned) -> bool:
     """Whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
     scene, forces = copy.scene, force_channels(copy.scene) + friction_channels(copy.scene)
     heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
@@ -105,4 +94,4 @@ def _another_mass(copy: Thinned) -> bool:
     most = max(float((np.abs(wrong[c] - right[c]) / amounts[c]).max()) for c in forces)
     if not most > 0:  # it moves evenly: no force depends on its mass
         return True
-    return refused(lambda motion: spoilt.moved(motion, right, wrong, forces, 1 / most), copy)
+    return noticed.refused(lambda motion: spoilt.moved(motion, right, wrong, forces, 1 / most), copy)

@@ -52,7 +52,6 @@ class Kind(StrEnum):
     rows = "rows out of order"
     noise = "noise"
     differences = "differences of samples"
-    branch = "another branch"
     solver = "discretisation"
     start = "start transient"
     coarse = "interpolation"

@@ -29,18 +29,17 @@ def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """All of a part late by one time, s, by Gauss and Newton from several starts; or by samples, the first held."""
-    time, scene, rows = evidence.motion["time"], evidence.reference.scene, np.arange(len(evidence.rows))
-    step, drive = float(time[1] - time[0]), scene.drive
-    kind = Kind.drive if part.channels == (scene.drive_channel,) else Kind.lag
+    time, rows = evidence.motion["time"], np.arange(len(evidence.rows))
+    step, drive = float(time[1] - time[0]), evidence.scene.drive
+    kind = Kind.drive if part.channels == (evidence.drive,) else Kind.lag
 
     def predict(by: Samples, start: float = 0.0) -> Channels:
         late = evidence.late(start + float(by[0]))
         return {c: late[c] for c in part.channels if late}
 
     starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * drive.cycle for k in CYCLES_LATE] * drive.repeats
-    start = min(
-        (sign * by for by in starts for sign in (1, -1)), key=lambda by: evidence.left(predict(np.zeros(1), by))
-    )
+    either = (sign * by for by in starts for sign in (1, -1))
+    start = min(either, key=lambda by: evidence.left(predict(np.zeros(1), by)))
     (by,), late = evidence.fitted(lambda by: predict(by, start), [1e-4 * step], 4)
     if late:
         by = float(by) + start

@@ -5,6 +5,7 @@ distance from what it should be, is 0 for a cause that explains all and 1 for on
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -49,6 +50,7 @@ class Evidence:
 
     def __init__(self, reference: Reference, motion: Motion, true: Motion, rows: NDArray[np.intp]) -> None:
         self.reference, self.motion, self.rows = reference, motion, rows
+        self.scene, self.drive = reference.scene, reference.scene.drive_channel
         self.true, self.given = true, Motion({c: samples[rows] for c, samples in motion.samples.items()})  # at the rows
         compared = (c for c in motion.samples if c != "time" and c in reference.scale and c in true)
         self.names = tuple(compared)  # the channels that are compared
@@ -59,13 +61,9 @@ class Evidence:
         self.off = {c: float(np.sum(own)) for c, own in squares.items()}  # summed over the rows
         self.by_row = np.asarray(np.sum([*squares.values()], axis=0))  # summed over the channels
         self.total = sum(self.off.values())  # the square of the whole deviation
+        forces = [c for c in self.names if quantity(c) in FORCES]  # whether nearly all of it is in them
+        self.of_forces = bool(forces) and self.total > 0 and self.outside(forces) <= NEARLY_ALL
         self._late: dict[float, Channels] = {}
-
-    @cached_property
-    def of_forces(self) -> bool:
-        """Whether nearly all of the deviation is in forces."""
-        forces = [c for c in self.names if quantity(c) in FORCES]
-        return bool(forces) and self.total > 0 and self.outside(forces) <= NEARLY_ALL
 
     def difference(self, channel: str, other: Samples) -> Samples:
         """Return by how much the motion's channel is more than another, over its scale, angles modulo one turn."""
@@ -86,26 +84,23 @@ class Evidence:
     def solved(self, scene: Scene, position: Samples | None = None, time: Samples | None = None) -> Channels:
         """Return all channels of a scene, its drive and instants as asked or others; nothing where it has no motion."""
         position = self.true[scene.drive_channel] if position is None else position
-        try:
-            with np.errstate(all="ignore"):
-                solve = self.reference.at if scene is self.reference.scene else registry.reference(scene)
-                return solve(position, self.true["time"] if time is None else time).samples
-        except Failure:
-            return {}
+        with suppress(Failure), np.errstate(all="ignore"):
+            solve = self.reference.at if scene is self.scene else registry.reference(scene)
+            return solve(position, self.true["time"] if time is None else time).samples
+        return {}
 
     def late(self, by: float) -> Channels:
         """Return the motion as if all were late by a time, s; nothing where there is no motion."""
         if by not in self._late:
-            scene, time = self.reference.scene, self.true["time"] - by
-            time = time if scene.drive.repeats else np.clip(time, 0.0, scene.drive.cycle)
-            self._late[by] = self.solved(scene, scene.drive.at(time).position, time)
+            drive, time = self.scene.drive, self.true["time"] - by
+            time = time if drive.repeats else np.clip(time, 0.0, drive.cycle)
+            self._late[by] = self.solved(self.scene, drive.at(time).position, time)
         return self._late[by]
 
     @cached_property
     def parts(self) -> list[Part]:
         """Channels that a read-out treats alike, and hold nearly all: a channel, a vector, all of a body, ..."""
-        every = parts(self.names, self.reference.scene.drive_channel)
-        return [part for part in every if self.outside(part.channels) <= EXPLAINED]
+        return [part for part in parts(self.names, self.drive) if self.outside(part.channels) <= EXPLAINED]
 
     def at(self, kept: NDArray[np.intp]) -> "Evidence":
         """Return the evidence at some of its rows."""

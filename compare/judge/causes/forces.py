@@ -64,9 +64,8 @@ class Carried(MotionVectors):
         """Return the same where the joints have other friction; the law is repeated, as the joints carry friction."""
         scene, true = replace(self.scene, friction=tuple(friction)), self.motion.samples
         before, pushed = self._of(*self.resisting), self._of(*pushes)
-        nothing = dict.fromkeys(
-            [*friction_channels(self.scene), *friction_channels(scene)], np.zeros(len(true["time"]))
-        )
+        rubbing = [*friction_channels(self.scene), *friction_channels(scene)]
+        nothing = dict.fromkeys(rubbing, np.zeros(len(true["time"])))
         now = true
         for _ in range(ROUNDS):
             state = replace(self, scene=scene, motion=Motion({**true, **nothing, **now}))
@@ -107,7 +106,7 @@ class Carried(MotionVectors):
 
 
 def _carried(evidence: Evidence, motion: Motion) -> Carried:
-    return Carried(evidence.reference.scene, motion, evidence=evidence).pressed(evidence.reference.stroke_ends)
+    return Carried(evidence.scene, motion, evidence=evidence).pressed(evidence.reference.stroke_ends)
 
 
 def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -271,8 +270,7 @@ def _elsewhere(carried: Carried) -> Iterator[Hypothesis]:
             change = carried.rubbed([*rest.values(), there])
             if standing is None:
                 change = {**change, own: change[there.channel(scene)] - true[own]}
-            cause = Cause(
-                Kind.friction, joint(scene, one), "the friction of {place} acts at {one}", names=(pin.channel,)
-            )
+            text = "the friction of {place} acts at {one}"
+            cause = Cause(Kind.friction, joint(scene, one), text, names=(pin.channel,))
             now = carried.evidence.changed((1.0,), [{c: by for c, by in change.items() if c in true}])
             yield Hypothesis(cause, now)

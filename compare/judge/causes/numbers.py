@@ -36,8 +36,7 @@ Slopes = Mapping[str, Channels]  # by path in the file the change of each channe
 
 def number_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield other numbers of the scene: those that explain most alone, then the fewest that explain it together."""
-    scene = evidence.reference.scene
-    both = scene, standing_alone(scene)
+    both = evidence.scene, standing_alone(evidence.scene)
     groups = [*numbers_of_causes(evidence.reference)]
     slopes = [_slopes(evidence, of, [g for g in groups if g.alone == (of is both[1])]) for of in both]
     ways = [[_along(slopes[group.alone], direction) for direction in group.directions] for group in groups]
@@ -58,7 +57,7 @@ def number_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def affordable(evidence: Evidence) -> Evidence:
     """Return the evidence at so many rows that all slopes are found in seconds."""
-    return thinned(evidence, int(WORK / (len(evidence.reference.scene.numbers) * len(evidence.names))))
+    return thinned(evidence, int(WORK / (len(evidence.scene.numbers) * len(evidence.names))))
 
 
 def _slopes(evidence: Evidence, scene: Scene, groups: Iterable[Numbers]) -> Slopes:
@@ -120,7 +119,7 @@ def _solved(
     evidence: Evidence, both: tuple[Scene, Scene], groups: Sequence[Numbers], ways: Sequence[Sequence[Channels]]
 ) -> Iterator[Hypothesis]:
     """Yield numbers that are off by what explains most, and the motion then; and the same without each of them."""
-    if len(groups) == 1 and groups[0].linear and not evidence.reference.scene.friction:
+    if len(groups) == 1 and groups[0].linear and not evidence.scene.friction:
         x, predicted = evidence.added(ways[0])
         yield from _named(groups, [x], predicted)
         return
@@ -155,7 +154,7 @@ def _named(groups: Sequence[Numbers], amounts: Sequence[Samples], predicted: Cha
 
 def _swapped(evidence: Evidence, slopes: Sequence[Slopes]) -> Iterator[Hypothesis]:
     """Yield the masses of two bodies in place of each other: all forces are linear in them."""
-    bodies = evidence.reference.scene.bodies
+    bodies = evidence.scene.bodies
     masses = {name: body.mass for name, body in bodies.items() if body.mass}
     for one, two in combinations(masses, 2):
         more = masses[two] - masses[one]
@@ -166,7 +165,7 @@ def _swapped(evidence: Evidence, slopes: Sequence[Slopes]) -> Iterator[Hypothesi
 
 def _varying(evidence: Evidence, groups: Sequence[Numbers], ways: Sequence[Sequence[Channels]]) -> Iterator[Hypothesis]:
     """Yield lengths that vary over the turn, by a sine of one amount."""
-    turn = 2 * np.pi * evidence.true["time"] / evidence.reference.scene.drive.cycle
+    turn = 2 * np.pi * evidence.true["time"] / evidence.scene.drive.cycle
     waves = (np.ones_like(turn), np.cos(turn), np.sin(turn))
     for group, (change, *_) in zip(groups, ways, strict=True):
         if group.cause.text == LENGTH:

@@ -35,7 +35,7 @@ def in_some_rows(evidence: Evidence) -> Iterator[Hypothesis]:
     if not SHORTEST <= len(kept) < len(evidence.rows):
         return
     off = evidence.at(kept)
-    ends = tuple(float(off.true[evidence.reference.scene.drive_channel][row]) for row in (0, -1))
+    ends = tuple(float(off.true[evidence.drive][row]) for row in (0, -1))
     for cause, own, freedom in read_out_causes(off):
         predicted = {c: evidence.true[c].copy() for c in own}
         for channel, values in own.items():
@@ -100,11 +100,10 @@ def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     for q in quantities:  # of angles, which count modulo one turn, on the circle
         own = np.array([off[c] for c in channels if quantity(c) == q])
         by[q] = float(np.angle(np.mean(np.exp(1j * own))) if q in ANGLES else np.mean(own))
-    scene = evidence.reference.scene
-    rate = scene.drive.at(evidence.true["time"]).rate
+    rate = evidence.scene.drive.at(evidence.true["time"]).rate
     if part.place == "drive" and by.keys() <= {"torque", "force"} and (rate * sum(by.values()) > 0).all():
         return  # friction of the drive
-    kind = Kind.drive if channels == (scene.drive_channel,) else Kind.offset
+    kind = Kind.drive if channels == (evidence.drive,) else Kind.offset
     cause = part.cause(kind, "{part} {is} off by a constant, {numbers}", *by.values())
     yield Hypothesis(cause, {c: evidence.true[c] + by[quantity(c)] for c in channels}, len(by))
 
@@ -120,7 +119,7 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     true, pairs = evidence.true, _vectors(part.channels)
     if not pairs:
         return
-    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, true)
+    scene, state = evidence.scene, MotionVectors(evidence.scene, true)
     vectors, given = ({x: of[x] + 1j * of[y] for x, y in pairs} for of in (true, evidence.given))
 
     def turned(by: Mapping[str, Vectors]) -> Channels:
@@ -180,7 +179,7 @@ def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str
 def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
     """Two joints', points' or bodies' channels in place of each other."""
     order = [*dict.fromkeys(map(stem, evidence.names))]
-    for part in parts(evidence.names, evidence.reference.scene.drive_channel):
+    for part in parts(evidence.names, evidence.drive):
         for other, theirs, at_one_pin in _others(evidence, part) if part.place not in ("all", "drive") else ():
             first = order.index(part.place) < order.index(other)
             if first and evidence.outside({*theirs, *theirs.values()}) <= EXPLAINED:
@@ -194,7 +193,7 @@ def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     pairs = _vectors(part.channels)
     if not pairs or {quantity(c) for c in part.channels} != {"ax", "ay"}:
         return
-    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
+    scene, state = evidence.scene, MotionVectors(evidence.scene, evidence.true)
     ways = {-1.0: "{part} {is} without {its} {one} term", -2.0: "{part} {has} the opposite sign of {its} {one} term"}
     for end, term, (times, text) in product((0, -1), ("centripetal", "tangential"), ways.items()):
         change: dict[str, Samples] = {}
@@ -210,7 +209,7 @@ def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
     """Moments of guides about another point than the slider's first."""
     text = "{place}'s guide moment is about another point, {length} away"
-    for body in evidence.reference.scene.bodies:
+    for body in evidence.scene.bodies:
         channel, force = f"{body}.guide_moment", f"{body}.guide_force"
         if channel in evidence.names and evidence.outside([channel]) <= EXPLAINED:
             yield evidence.with_amounts(Cause(Kind.moment, body, text), {channel: evidence.true[force]})

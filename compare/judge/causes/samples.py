@@ -57,8 +57,7 @@ def _instants(scene: Scene, sampling: Rows, motion: Motion, off: float) -> Cause
 def sample_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield samples that are held, out of order or spoilt, of all channels or of some."""
     yield from _held(evidence)
-    drive = evidence.reference.scene.drive_channel
-    for channels in (evidence.names, tuple(c for c in evidence.names if c != drive)):
+    for channels in (evidence.names, tuple(c for c in evidence.names if c != evidence.drive)):
         yield from _out_of_order(evidence, channels)
     yield from _spoilt(evidence)
 
@@ -89,7 +88,7 @@ def _last_fresh(stay: NDArray[np.bool_]) -> NDArray[np.intp]:
 def _of_rows(
     evidence: Evidence, kind: Kind, text: str, channels: Sequence[str], rows: NDArray[np.intp], freedom: int = 0
 ) -> Hypothesis:
-    first = float(evidence.true[evidence.reference.scene.drive_channel][(rows != np.arange(len(rows))).argmax()])
+    first = float(evidence.true[evidence.drive][(rows != np.arange(len(rows))).argmax()])
     return Hypothesis(Cause(kind, "all", text, rows=(first,)), {c: evidence.true[c][rows] for c in channels}, freedom)
 
 
@@ -132,6 +131,6 @@ def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
     place = common(of)
     if place == "all" and len(of) < MOST * len(evidence.names):
         return  # a peak of some channels, as where a solver has trouble
-    first = float(evidence.true[evidence.reference.scene.drive_channel][bad.argmax()])
+    first = float(evidence.true[evidence.drive][bad.argmax()])
     text = "{place} is spoilt at {where}, its neighbours are not"
     yield Hypothesis(Cause(Kind.spike, place, text, rows=(first,)), predicted)

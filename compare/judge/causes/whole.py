@@ -35,7 +35,7 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield other frames and units of all of a result, rates by the crank's angle, and that angle in another unit."""
     yield from _frame(evidence, mirrored=False)
     yield from _frame(evidence, mirrored=True)
-    scene, true = evidence.reference.scene, evidence.true
+    scene, true = evidence.scene, evidence.true
     if not isinstance(scene.drive, ConstantSpeed) or scene.driven_slide is not None:
         return
     orders = {c: RATES[quantity(c)] for c in evidence.names if quantity(c) in RATES}
@@ -74,18 +74,17 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
         text = "all lengths are in {one} in place of {two}" if unit else "all lengths are {times}"
         causes.append(Cause(Kind.unit, "all", text, (factor,), (unit, "m"), all_lengths))
     if causes:
-        relative = evidence.reference.scene.drive_on != GROUND
+        relative = evidence.scene.drive_on != GROUND
         other = seen(Frame(angle, b, mirrored, factor, relative), {c: evidence.true[c] for c in evidence.names})
-        drive = evidence.reference.scene.drive_channel
-        predicted = {c: own for c, own in other.items() if c != drive or evidence.off[drive] > LEAST}
+        predicted = {c: own for c, own in other.items() if c != evidence.drive or evidence.off[c] > LEAST}
         freedom = bool(angle) + 2 * bool(b) + (not unit)
         yield Hypothesis(replace(causes[0], besides=tuple(causes[1:])), predicted, freedom)
 
 
 def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what would have been with the drive where it is, at another speed, or by another entry of its law."""
-    scene = evidence.reference.scene
-    drive, asked, there = scene.drive, evidence.true[scene.drive_channel], evidence.given[scene.drive_channel]
+    scene, asked, there = evidence.scene, evidence.true[evidence.drive], evidence.given[evidence.drive]
+    drive = scene.drive
     off, at_one_speed = there - asked, isinstance(drive, ConstantSpeed)
     most = float(off[np.abs(off).argmax()])
     late = at_one_speed and np.ptp(off) <= LATE * abs(most)
@@ -100,7 +99,7 @@ def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def strayed(evidence: Evidence) -> Cause | None:
     """Return that the drive is not where it was asked to be, which no engine has an excuse for."""
-    drive = evidence.reference.scene.drive_channel
+    drive = evidence.drive
     if drive not in evidence.names:
         return None
     off = float(np.abs(evidence.given[drive] - evidence.true[drive]).max())

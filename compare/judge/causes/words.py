@@ -145,9 +145,7 @@ GAPS: Mapping[str, Callable[[Scene, Cause], str]] = {
     "force": lambda scene, cause: _in_unit(scene, "force", hypot(*cause.amounts), 4),
     "way": lambda scene, cause: _in_unit(scene, "angle", atan2(*reversed(cause.amounts)), 4),
     "angle": lambda scene, cause: _in_unit(scene, "angle", cause.amounts[0], 4),
-    "displacement": lambda scene, cause: _in_unit(
-        scene, "angle" if scene.driven_slide is None else "length", cause.amounts[-1]
-    ),
+    "displacement": lambda scene, cause: _in_unit(scene, "position", cause.amounts[-1]),
     "late": _late,
     "late_rows": _late_rows,
     "faster": _faster,

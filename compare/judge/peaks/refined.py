@@ -5,7 +5,7 @@ parabola, and each time the place is known to about the square of what it was. W
 is a parabola: there so many samples are taken that one of them is near whatever happens.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import pi
 
 import numpy as np
@@ -32,15 +32,13 @@ def jumps(scene: Scene) -> bool:
     return by_parts or any(isinstance(load, PressForce) for load in scene.loads)
 
 
-def beyond(scene: Scene, motion: Motion) -> list[Samples]:
-    """How far each table of a load is beyond each of its entries, shape (..., n): forces bend where it is zero."""
-    levels: list[Samples] = []
+def beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
+    """Yield how far each table of a load is beyond each of its entries, (..., n): forces bend where that is zero."""
     for name, table in _tables(scene):
         over = argument(MotionVectors(scene, motion), name, table)
-        beyond = [over - entry for entry in table.arguments]
         half_turn = pi / (table.arguments[-1] - table.arguments[0])  # of a sine that is zero once a period
-        levels += [np.sin(half_turn * level) for level in beyond] if table.periodic else beyond
-    return levels
+        for level in (over - entry for entry in table.arguments):
+            yield np.sin(half_turn * level) if table.periodic else level
 
 
 def needed(scene: Scene) -> Iterator[str]:
@@ -61,7 +59,7 @@ def refined(
     solve: Callable[[Samples], Motion],
     *,
     repeats: bool,
-    bends: Callable[[Motion], Sequence[Samples]],
+    bends: Callable[[Motion], Iterable[Samples]],
     switches: Callable[[Motion, Samples], Samples] | None,
 ) -> Motion:
     """A cycle with samples added, in the order of the time, as far as the linkage closes there.
@@ -74,9 +72,8 @@ def refined(
     """
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if switches else 1  # samples on either side of a place
-    rows = [
-        height.argmax(axis=-1) if switches else _top(height, repeats=repeats) for height in heights(followed, cycle)
-    ]
+    high = heights(followed, cycle)
+    rows = [height.argmax(axis=-1) if switches else _top(height, repeats=repeats) for height in high]
     near = np.stack(rows, axis=-1) * step
     corners = [] if switches else [(n, _zeros(level) * step) for n, level in enumerate(bends(cycle))]
     levels = [n for n, places in corners for _ in range(places.shape[-1])]

@@ -110,7 +110,7 @@ def examine(case: Case) -> list[Row]:
         return [_nothing_to_solve(case, scene, sampling, failure, rung.status)]
     if case.engine == REFERENCE:
         row = _certified(case, reference, sampling, explained, rung.status)
-        return [_counted(row, scene) if ladder.file.digits and row["outcome"] == Outcome.right else row]
+        return [_counted(row, reference) if ladder.file.digits and row["outcome"] == Outcome.right else row]
     at = partial(measure, reference, case.engine, sampling, explained=explained)
     made = attempts(at, offers(case.engine, "balanced"))
     return [_attempted(case, reference, measured, explained) for measured in made]
@@ -154,9 +154,9 @@ def _certified(case: Case, reference: Reference, sampling: Sampling, explained: 
     return row | setting | _figures(measured, reference, explained)
 
 
-def _counted(row: Row, scene: Scene) -> Row:
+def _counted(row: Row, reference: Reference) -> Row:
     """The reference's row with the digits that it loses by group, and those that the condition allows."""
-    groups = digits_lost(scene).set_index("group")[["lost", "allowed"]].to_dict("index")
+    groups = digits_lost(reference).set_index("group")[["lost", "allowed"]].to_dict("index")
     figures = {f"{group}_{name}": value for group, of in groups.items() for name, value in of.items()}
     over = [f"{group} loses {of['lost']:.1f} digits" for group, of in groups.items() if not of["lost"] <= of["allowed"]]
     wrong = {"outcome": str(Outcome.silent), "reason": "; ".join(over)} if over else {}

@@ -12,36 +12,26 @@ found by arbitrary precision, input after input a STEP off. Reference and truth 
 
 so that a formula which loses one digit more than its problem is seen, and the condition is no excuse for it.
 
-How they go with kappa, the condition of the position's Jacobian J alone: near a fold a coordinate y, of order one away
-from it, follows y^2 = x^2 + 2 g, with x the drive's way past the dead point and g the distance to lock, both relative.
-J goes like y, so that kappa ~ 1 / y <= g^(-1/2). A length off by e changes x^2 + 2 g by that much, hence
-
-    y  by e / y        : kappa          as y' = x x' / y <= x' and y'' = 2 g x'^2 / y^3 <= kappa x'^2 (to a factor),
-    y' by e x / y^3    : kappa^2        relative to the peaks, 1, 1 and kappa, position goes like kappa, velocity and
-    y'' by e / y^3     : kappa^3        acceleration both like kappa^2, 1 / g.
-
-Reactions are J^-T times inertia and loads: one kappa more in the change and in the peak, so kappa^2 relative to it.
+How both go with kappa, the condition of the position's Jacobian J alone, is in docs/theory.md, under round-off limits.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import groupby
 from math import log10
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
 from scenes.fields import put
-from scenes.model.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
 from ...engines.runner import run
-from ...mechanics.constraints import Constraints
-from ...mechanics.mechanics import GROUPS, SHOWN_GROUPS, inputs
-from ...mechanics.motion_vectors import MotionVectors, press_forces
-from ...mechanics.reference import on_switch
+from ...mechanics.mechanics import SHOWN_GROUPS, Mechanics, inputs
+from ...mechanics.reference import Reference, on_switch
 from ...mechanics.scales import magnitude, relative_errors
 
 EPS = float(np.finfo(float).eps)
@@ -54,28 +44,28 @@ ZOOM = 32  # per round of the search
 ROUNDS = 5  # to 1e-11 of a cycle; a distance to lock is least there, and flat
 
 
-def digits_lost(scene: Scene) -> pd.DataFrame:
+def digits_lost(reference: Reference) -> pd.DataFrame:
     """One row a channel group: what the problem's condition allows, and what the reference loses.
 
     Where the speed is constant this is at equally spaced positions, at the one nearest to a lock, and close around it;
     the switches of press forces, where forces jump and have no condition, are left out. Failure where one of the two
     models does not solve the scene.
     """
-    solve = registry.reference(scene)
-    to_lock = np.inf
+    scene, mechanics, to_lock = reference.scene, reference.mechanics, np.inf
     request: Request = Sampling(EQUALLY)
     if isinstance(scene.drive, ConstantSpeed):
-        nearest, to_lock = nearest_lock(scene, solve)
+        nearest, to_lock = nearest_lock(scene, reference.at)
         request = Positions(tuple(positions(scene, nearest).tolist()))
     true = _certified(scene, request)
-    decided, peaks = _decided(scene, solve, true), _peaks(scene, true)
-    motion = solve(true[scene.drive_channel], true["time"])
+    decided, peaks = np.ones(true["time"].shape, bool), _peaks(mechanics, true)
+    decided[on_switch(reference.acts(true))] = False
+    motion = reference.at(true[scene.drive_channel], true["time"])
     errors = {c: np.where(decided, error, -1.0) for c, error in relative_errors(motion, true, peaks).items()}
     changes = _changes(scene, request, true, peaks)
-    known = {"to_lock": to_lock, "kappa": float(Constraints(scene).condition(true).max())}
+    known = {"to_lock": to_lock, "kappa": float(mechanics.constraints.condition(true).max())}
     table = []
     for group in SHOWN_GROUPS:
-        if mine := [channel for channel in errors if GROUPS[quantity(channel)] == group]:
+        if mine := [channel for channel in errors if mechanics.groups[channel] == group]:
             worst = max(mine, key=lambda channel: float(errors[channel].max()))
             row = int(errors[worst].argmax())
             condition = max(1.0, *(float(changes[channel][decided].max(initial=0.0)) for channel in mine))
@@ -122,25 +112,14 @@ def _certified(scene: Scene, request: Request) -> Motion:
     return done.motion
 
 
-def _decided(scene: Scene, solve: registry.Solve, true: Motion) -> NDArray[np.bool_]:
-    """Return at which rows no press force is on its switch, shape (n,)."""
-    decided = np.ones(true["time"].shape, bool)
-    if press_forces(scene):
-        times = np.linspace(0, scene.drive.cycle, GRID + 1)
-        cycle = MotionVectors(scene, solve(scene.drive.at(times).position, times))
-        decided[on_switch(MotionVectors(scene, true).acts(cycle.stroke_ends()))] = False
-    return decided
-
-
-def _peaks(scene: Scene, motion: Motion) -> dict[str, float]:
+def _peaks(mechanics: Mechanics, motion: Motion) -> dict[str, float]:
     """By channel the largest magnitude, that of its vector for x and y; of one that is zero a natural size."""
-    peak = {channel: float(magnitude(motion, channel).max()) for channel in channels(scene)}
+    peak, rate = {channel: float(magnitude(motion, channel).max()) for channel in mechanics.units}, mechanics.rate
     length = max((peak[channel] for channel in peak if quantity(channel) == "x"), default=0.0)
-    force = max((peak[channel] for channel in peak if UNITS[quantity(channel)] == "N"), default=0.0)
-    rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent)))
+    force = max((peak[channel] for channel, unit in mechanics.units.items() if unit == "N"), default=0.0)
     natural = {"rad": 1.0, "rad/s": rate, "rad/s^2": rate**2, "N": force, "N*m": force * length}
-    natural |= {"m": length, "m/s": length * rate, "m/s^2": length * rate**2, "s": scene.drive.cycle}
-    sizes = {channel: natural[UNITS[quantity(channel)]] for channel in peak}
+    natural |= {"m": length, "m/s": length * rate, "m/s^2": length * rate**2, "s": mechanics.scene.drive.cycle}
+    sizes = {channel: natural[unit] for channel, unit in mechanics.units.items()}
     return {c: value if value > ZERO * sizes[c] else sizes[c] or 1.0 for c, value in peak.items()}
 
 
@@ -163,10 +142,11 @@ def inputs_off(scene: Scene) -> Iterator[Scene]:
     A vector is off along itself and across itself, by its own length: formulas round it as a whole; a unit vector is
     off across itself alone.
     """
-    for one in inputs(scene):
-        if np.any(one.value):
-            if one.dimension != "direction":
-                yield put(scene, {one.at: one.each(lambda number: number * (1 + STEP))})
-            if isinstance(one.value, tuple) and (one.at[0], one.at[-1]) != ("loads", "forces"):  # of a table
-                x, y = one.value
-                yield put(scene, {one.at: (x - STEP * y, y + STEP * x)})
+    for at, together in groupby(inputs(scene), lambda one: one.at[:-1] if isinstance(one.at[-1], int) else one.at):
+        first, *others = numbers = [*together]
+        if any(one.value for one in numbers):
+            if first.quantity.dimension != "direction":
+                yield put(scene, {one.at: one.value * (1 + STEP) for one in numbers})
+            if others and (at[0], at[-1]) != ("loads", "forces"):  # of a table
+                x, y = numbers
+                yield put(scene, {x.at: x.value - STEP * y.value, y.at: y.value + STEP * x.value})

@@ -4,10 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
 
-from scenes import Status
-
-from ...engines.registry import WORK_PRECISION
-
 
 @dataclass(frozen=True)
 class SpeedRow:
@@ -34,11 +30,6 @@ class SpeedRow:
     errors: Mapping[str, float]  # `reaction_max`, `reaction_rms` and so on: the largest of a channel group
     steps_made: float
     counters: Mapping[str, int]
-
-    @property
-    def solved(self) -> bool:
-        """Whether it is a setting of the work-precision study that solved the scene."""
-        return self.status == Status.ok.name and self.role == WORK_PRECISION
 
     def error(self, name: str) -> float:
         """An error, NaN where it is not known."""

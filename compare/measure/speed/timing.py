@@ -4,7 +4,7 @@ It counts processor time, of all threads together. On an idle machine that is th
 it; on a busy one other programs make a run wait, and the time on the wall is as much theirs as the run's.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, chain, groupby
 from math import inf
@@ -34,19 +34,15 @@ Again: TypeAlias = Callable[[Sequence[int]], Sequence[Run]]  # runs settings, by
 NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are those of the error runs
 
 
-class Times(list[Run]):
-    """The runs of one setting under the clock, one a round."""
+def spent(runs: Iterable[Run]) -> float:
+    """The processor time of runs, s."""
+    return sum(run.build_s + run.solve_s for run in runs)
 
-    @property
-    def spent(self) -> float:
-        """The processor time of all runs, s."""
-        return sum(run.build_s + run.solve_s for run in self)
 
-    @property
-    def known(self) -> bool:
-        """Whether the fastest solve was reached again and again."""
-        fastest = sorted(run.solve_s for run in self)[:LEAST_ROUNDS]
-        return len(fastest) == LEAST_ROUNDS and fastest[-1] <= (1 + AGREE) * fastest[0]
+def known(runs: Iterable[Run]) -> bool:
+    """Whether the fastest solve was reached again and again."""
+    fastest = sorted(run.solve_s for run in runs)[:LEAST_ROUNDS]
+    return len(fastest) == LEAST_ROUNDS and fastest[-1] <= (1 + AGREE) * fastest[0]
 
 
 def take_turns(
@@ -55,18 +51,19 @@ def take_turns(
     budget: Budget,
     progress: Progress,
     in_doubt: Callable[[Sequence[float]], Collection[int]],
-) -> list[Times]:
-    """The times of every setting in the rounds; none of a slow one that decides nothing.
+) -> list[list[Run]]:
+    """The runs of every setting in the rounds; none of a slow one that decides nothing.
 
     One round goes over all settings, so that a slow spell of the machine falls on all of them; each takes part in the
     least number of rounds as far as its share of the patience lasts. After these only those take part that are in
     doubt, given the fastest solve of every setting, s, and whose fastest time is not known yet. A stop leaves the times
     that are known. `first` has the runs that warmed every setting up; those of one engine are neighbours.
     """
-    times, engines = [Times() for _ in first], [run.engine for run in first]
+    times, engines = [list[Run]() for _ in first], [run.engine for run in first]
 
     def seconds(n: int) -> float:
-        return times[n].spent / len(times[n]) if times[n] else first[n].build_s + first[n].solve_s
+        runs = times[n] or [first[n]]
+        return spent(runs) / len(runs)
 
     def fastest(n: int) -> float:
         return min((run.solve_s for run in times[n]), default=first[n].solve_s)
@@ -85,10 +82,10 @@ def take_turns(
         for done in range(LEAST_ROUNDS):
             able = [n for n in able if (done + 1) * seconds(n) <= share]
             yield from by_engine(able, done, lambda: inf)
-        end = sum(record.spent for record in times) + budget.seconds
+        end = spent(chain.from_iterable(times)) + budget.seconds
         for done in range(LEAST_ROUNDS, budget.rounds):
-            doubtful = [n for n in in_doubt([*map(fastest, every)]) if not times[n].known]
-            yield from by_engine(doubtful, done, lambda: end - sum(record.spent for record in times))
+            doubtful = [n for n in in_doubt([*map(fastest, every)]) if not known(times[n])]
+            yield from by_engine(doubtful, done, lambda: end - spent(chain.from_iterable(times)))
 
     runs = (zip(batch, again(batch), strict=True) for batch in batches())
     for number, run in kept(chain.from_iterable(runs)):

@@ -16,10 +16,10 @@ from operator import attrgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Settings
+from scenes import Settings, Status
 from scenes.model.motion import Samples
 
-from ...engines.registry import REFERENCE, settings_of, tiers
+from ...engines.registry import REFERENCE, WORK_PRECISION, settings_of, tiers
 from ...mechanics.mechanics import SHOWN_GROUPS
 from .row import SpeedRow
 
@@ -87,7 +87,7 @@ def groups(speed: Sequence[SpeedRow]) -> list[str]:
 
 def solved(speed: Sequence[SpeedRow]) -> list[SpeedRow]:
     """The work-precision settings that solved the scene."""
-    return [row for row in speed if row.solved]
+    return [row for row in speed if row.status == Status.ok.name and row.role == WORK_PRECISION]
 
 
 def contenders(points: Iterable[SpeedRow]) -> list[tuple[str, str, list[SpeedRow]]]:
@@ -124,23 +124,22 @@ def front(points: Iterable[SpeedRow], error: str, tie: float = TIE) -> list[Spee
     return sorted((row for row in plain if id(row) in best), key=attrgetter("solve_min_s"))
 
 
-def choices(speed: Sequence[SpeedRow]) -> list[Choice]:
-    """The cheapest setting by channel group, engine and note, and level of the largest error."""
-    points, chosen = solved(speed), list[Choice]()
+def choices(speed: Sequence[SpeedRow]) -> Iterator[Choice]:
+    """Yield the cheapest setting by channel group, engine and note, and level of the largest error."""
+    points = solved(speed)
     for group in groups(speed):
         error = f"{group}_max"
         fastest = {name: _fastest(points, error, limit) for name, limit in LEVELS.items()}
         standings = {name: standing(points, error, limit) for name, limit in LEVELS.items()}
         for (engine, note, rows), (name, limit) in product(contenders(points), LEVELS.items()):
             if not (level := as_fast(rows, error, limit)):
-                chosen.append(Choice(group, name, engine, note))
+                yield Choice(group, name, engine, note)
                 continue
             best, *others = level
             alike, ratio = "; ".join(sorted(row.setting for row in others)), best.solve_min_s / fastest[name]
             stands = "" if note else standings[name].get(engine, "")
             figures = best.solve_min_s, best.error(error), ratio, stands
-            chosen.append(Choice(group, name, engine, note, best.setting, alike, *figures))
-    return chosen
+            yield Choice(group, name, engine, note, best.setting, alike, *figures)
 
 
 def _fastest(points: Iterable[SpeedRow], error: str, limit: float) -> float:
@@ -216,15 +215,14 @@ def families(points: Sequence[SpeedRow], steps: str) -> Iterator[list[SpeedRow]]
         yield [row for _, row in sorted(rows.items())]
 
 
-def orders(speed: Sequence[SpeedRow], floors: Mapping[str, float]) -> list[Order]:
-    """Every family's order of convergence by channel group, NaN where it has not settled or few errors count.
+def orders(speed: Sequence[SpeedRow], floors: Mapping[str, float]) -> Iterator[Order]:
+    """Yield every family's order of convergence by channel group, NaN where it has not settled or few errors count.
 
     The order is the slope of log(largest error) against log(steps per cycle) by least squares, `residual` the root mean
     square of what that leaves, in decades. The longest straight run of settings counts: theory is not about the
     coarsest, and the finest may feel a floor. `local_orders` are the slopes from each of its settings to the next; the
     order has settled where the last ones agree with each other and with it. `floors` are the reference's.
     """
-    fitted = []
     for points, group in product(families(speed, "steps"), groups(speed)):
         errors = np.array([row.error(f"{group}_max") for row in points])
         steps = np.array([row.steps for row in points])
@@ -232,8 +230,7 @@ def orders(speed: Sequence[SpeedRow], floors: Mapping[str, float]) -> list[Order
         order, residual, local = _order(np.log10(steps[:above]), np.log10(errors[:above]))
         named = points[0].engine, points[0].family, points[0].expected_order, group
         order = order if local and np.ptp([order, *local[-LAST:]]) <= SETTLED else nan
-        fitted.append(Order(*named, order, residual, local, len(local) + 1 if local else 0))
-    return fitted
+        yield Order(*named, order, residual, local, len(local) + 1 if local else 0)
 
 
 def above_floor(steps: Samples, errors: Samples, floor: float) -> int:
@@ -266,17 +263,15 @@ def _line(x: Samples, y: Samples) -> tuple[float, float]:
     return -float(line.deriv()(0.0)), float(np.sqrt(np.mean((y - line(x)) ** 2)))
 
 
-def step_costs(speed: Sequence[SpeedRow]) -> list[StepCost]:
-    """The cost of a step in every family, and the fixed cost of a run, s, by time = fixed + steps * step.
+def step_costs(speed: Sequence[SpeedRow]) -> Iterator[StepCost]:
+    """Yield the cost of a step in every family, and the fixed cost of a run, s, by time = fixed + steps * step.
 
     Least squares of the relative errors, whose root mean square is `residual`; steps are all that were made, those
     before the first sample and those of every Richardson level.
     """
-    costs = []
     for points in (points for points in families(speed, "steps_made") if len(points) >= LEAST_POINTS):
         time, steps = np.array([(row.solve_min_s, row.steps_made) for row in points]).T
         relative = np.column_stack([1 / time, steps / time])
         (fixed, step), *_ = np.linalg.lstsq(relative, np.ones(len(time)))
         residual = float(np.sqrt(np.mean((relative @ (fixed, step) - 1) ** 2)))
-        costs.append(StepCost(points[0].engine, points[0].family, float(fixed), float(step), residual, len(points)))
-    return costs
+        yield StepCost(points[0].engine, points[0].family, float(fixed), float(step), residual, len(points))

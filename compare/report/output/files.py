@@ -146,14 +146,13 @@ def check_origin(scene: Scene, place: Path) -> None:
             file = _written(place / summary)["made_from"]
             other = shipped().get(file, place.resolve() / file).resolve()
             if other != own and other.is_file():
-                raise InputError(
-                    f"{scene.file}: name: '{scene.name}' is that of {file if file in shipped() else other} too, whose"
-                    f" result is in {place}; expected another name, or another --out"
-                )
+                too = f"is that of {file if file in shipped() else other} too, whose result is in {place}"
+                raise InputError(f"{scene.file}: name: '{scene.name}' {too}; expected another name, or another --out")
 
 
-def _write_table(rows: TableRows, file: Path, columns: Sequence[str] = ()) -> None:
+def _write_table(given: TableRows, file: Path, columns: Sequence[str] = ()) -> None:
     """Write rows, of which each may lack some columns; a cell of what is missing or not a number is empty."""
+    rows = [*given]
     with file.open("w", encoding="utf-8", newline="") as text:
         every = dict.fromkeys((*columns, *(column for row in rows for column in row)))
         table = csv.DictWriter(text, every, lineterminator="\n")

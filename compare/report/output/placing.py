@@ -178,7 +178,8 @@ def _locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
     from fcntl import LOCK_EX, LOCK_NB, flock
 
     with ExitStack() as held:
-        try:
+        ours = False
+        with suppress(OSError):  # it is another run's
             file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
             held.callback(os.close, file)
             for _ in range(TRIES if wait else 0):
@@ -191,6 +192,4 @@ def _locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
                     print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
                 flock(file, LOCK_EX | (0 if wait else LOCK_NB))
             ours = True
-        except OSError:  # it is another run's
-            ours = False
         yield ours

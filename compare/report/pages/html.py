@@ -1,7 +1,7 @@
 """Pages from templates: what they are rendered in, their table of contents, and the figures packed at their end."""
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache
 from gzip import compress
@@ -101,13 +101,13 @@ class Parts:
 
 
 def shortened(
-    rows: Sequence[Mapping[Any, object]], worst: str = "", whole: str = "the JSON file"
+    table: Iterable[Mapping[Any, object]], worst: str = "", whole: str = "the JSON file"
 ) -> tuple[list[str], list[list[object]], str]:
     """Columns and rows of a table for a page, and in a sentence which rows of a long one are shown.
 
     Those with the largest numbers in the column `worst`, NaN as the largest, or the first ones; all are in `whole`.
     """
-    left_out = ""
+    rows, left_out = [*table], ""
     columns = dict.fromkeys(column for row in rows for column in row)
     if len(rows) > ROWS:
         which = f"with the largest {worst}" if worst else "that come first"

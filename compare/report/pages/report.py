@@ -1,7 +1,7 @@
 """The page on one scene: one self-contained HTML file, opened from disk with no network."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,9 +23,6 @@ from ..tables import proof as proof_tables
 from ..tables import speed as speed_tables
 from ..tables import study as tables
 from .html import render
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 
 def page(study: Study) -> str:
@@ -59,18 +56,19 @@ def page(study: Study) -> str:
         speed_samples=SAMPLING.samples,
         near=f"{100 * ALIKE:.0f} %",
         tie=f"{100 * TIE:.0f} %",
-        **in_full(study.hard, study.maps),
+        **in_full(study),
     )
 
 
-def in_full(cases: "DataFrame | None", maps: "DataFrame | None") -> dict[str, Any]:
+def in_full(study: Study) -> dict[str, Any]:
     """What the sections on hard cases and maps of stability use, by name; nothing where none was run."""
-    if cases is None or maps is None:
+    if study.hard is None or study.maps is None:
         return {"cases": [], "maps": []}
     from ..figures.hard import over_condition, stability_maps  # late, as what few runs need
     from ..tables import hard
 
-    return {"cases": cases, "maps": [*stability_maps(maps)], "hard": hard, "over_condition": over_condition}
+    maps = [*stability_maps(study.maps)]
+    return {"cases": study.hard, "maps": maps, "hard": hard, "over_condition": over_condition}
 
 
 def described(title: str, figure: Figure) -> str:

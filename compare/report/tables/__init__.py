@@ -1,6 +1,6 @@
 """Every table and sentence, for the pages, the files and the terminal."""
 
-from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from collections.abc import Iterable
+from typing import Any, TypeAlias
 
-TableRows: TypeAlias = Sequence[Mapping[str, object]]  # by column; each may lack some
+TableRows: TypeAlias = Iterable[dict[str, Any]]  # by column; each may lack some

@@ -45,34 +45,31 @@ def label(family: Family, member: Member) -> str:
 
 
 def in_si(family: Family) -> TableRows:
-    """A row a member with everything that is known about it, quantities in SI."""
-    rows: list[dict[str, object]] = []
+    """Yield a row a member with everything that is known about it, quantities in SI."""
     for member in family.members:
-        rows.append(dict(member.changes) | {"status": member.status, "reason": member.reason})
+        row: dict[str, object] = {**member.changes, "status": member.status, "reason": member.reason}
         for peak in _numbers(member).values():
-            rows[-1][_header(peak, peak.unit)] = peak.value
+            row[_header(peak, peak.unit)] = peak.value
             if _at_a_joint(peak):
-                rows[-1][f"{peak.kind} at"] = peak.of
+                row[f"{peak.kind} at"] = peak.of
         for m in member.measurements:
             worst = worst_error(family.scene, m) or WorstError(nan, "", nan)
-            rows[-1] |= {f"{m.run.engine} status": m.run.status.name, f"{m.run.engine} error": worst.size}
-            rows[-1] |= {f"{m.run.engine} worst channel": worst.channel}
-    return rows
+            row |= {f"{m.run.engine} status": m.run.status.name, f"{m.run.engine} error": worst.size}
+            row |= {f"{m.run.engine} worst channel": worst.channel}
+        yield row
 
 
 def overview(family: Family) -> TableRows:
-    """A row a member as a reader wants it: units with prefixes, as many digits as set the members apart."""
+    """Yield a row a member as a reader wants it: units with prefixes, as many digits as set the members apart."""
     varied = [name.replace("-", "\u2011") for name in names(family.variations)]  # which do not break into lines
     known = [_numbers(member) for member in family.members]
     columns = [(kind, *_column(kind, known)) for kind in OVERVIEW if any(kind in numbers for numbers in known)]
-    rows: list[dict[str, object]] = []
     for member, numbers in zip(family.members, known, strict=True):
         changes = (f"{value:.6g}" for value in member.changes.values())
         row: dict[str, object] = {**dict(zip(varied, changes, strict=True)), "status": member.status}
         row |= {header: text(numbers[kind]) if kind in numbers else "–" for kind, header, text in columns}
         errors = [_error(family, m) for m in member.measurements] or ["–"] * len(family.engines)
-        rows.append(row | {f"{engine} error": error for engine, error in zip(family.engines, errors, strict=True)})
-    return rows
+        yield row | {f"{engine} error": error for engine, error in zip(family.engines, errors, strict=True)}
 
 
 def _column(kind: str, members: Sequence[dict[str, Peak]]) -> tuple[str, Callable[[Peak], str]]:

@@ -28,22 +28,18 @@ RANGES = 3  # of positions that are named, at most
 
 def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
     """The power, W, that each joint's friction takes, by joint, each of shape (n,)."""
-    state = MotionVectors(scene, motion)
-    return {
-        one.channel(scene).rpartition(".")[0]: -motion[one.channel(scene)] * rate(state, one) for one in scene.friction
-    }
+    state, channels = MotionVectors(scene, motion), {one.channel(scene): one for one in scene.friction}
+    return {channel.rpartition(".")[0]: -motion[channel] * rate(state, one) for channel, one in channels.items()}
 
 
 def by_joint(study: Study) -> TableRows:
-    """The work that each joint's friction takes in a cycle, J, its mean power, W, and its share of all."""
+    """Yield the work that each joint's friction takes in a cycle, J, its mean power, W, and its share of all."""
     cycle, duration = study.reference.cycle, study.scene.drive.cycle
     works = {joint: _work(cycle, power) for joint, power in losses(study.scene, cycle).items()}
     whole = sum(works.values())
-    return [
-        {"joint": joint, f"work lost a {cycle_name(study.scene)} [J]": work, "mean power [W]": work / duration}
-        | {"share": percent(work / whole) if whole else None}
-        for joint, work in sorted(works.items(), key=lambda row: -row[1])
-    ]
+    for joint, work in sorted(works.items(), key=lambda row: -row[1]):
+        taken = {f"work lost a {cycle_name(study.scene)} [J]": work, "mean power [W]": work / duration}
+        yield {"joint": joint, **taken, "share": percent(work / whole) if whole else None}
 
 
 def sentences(study: Study) -> Iterator[str]:

@@ -19,15 +19,14 @@ FEW = 20  # machines that the JSON file has in full, picked by the seed
 
 
 def in_si(study: MonteCarlo) -> TableRows:
-    """A row a number with everything that is known about it, in SI."""
-    return [
-        {"name": s.name, "of": s.of, "unit": s.unit, "nominal": s.nominal, "mean": s.mean}
-        | {"standard deviation": s.deviation, "linear standard deviation": s.linear, "unexplained": s.unexplained}
-        | {f"quantile {share}": value for share, value in s.quantiles.items()}
-        | {f"share of {path}": share for path, share in s.shares.items()}
-        | {f"{engine} differs by": size for engine, size in differences(study, s).items()}
-        for s in study.spreads
-    ]
+    """Yield a row a number with everything that is known about it, in SI."""
+    for s in study.spreads:
+        named = {"name": s.name, "of": s.of, "unit": s.unit, "nominal": s.nominal, "mean": s.mean}
+        sizes = {"standard deviation": s.deviation, "linear standard deviation": s.linear, "unexplained": s.unexplained}
+        quantiles = {f"quantile {share}": value for share, value in s.quantiles.items()}
+        shares = {f"share of {path}": share for path, share in s.shares.items()}
+        differ = {f"{engine} differs by": size for engine, size in differences(study, s).items()}
+        yield {**named, **sizes, **quantiles, **shares, **differ}
 
 
 def differences(study: MonteCarlo, number: Spread) -> Mapping[str, float]:
@@ -68,15 +67,14 @@ def moving(study: MonteCarlo) -> list[Spread]:
 
 
 def overview(study: MonteCarlo) -> TableRows:
-    """A row a number: the drawing's, and how far the machines are off that."""
-    return [
-        {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
-        | {"standard deviation": _amount(study, s, s.deviation), "linear": _amount(study, s, s.linear)}
-        | {"the linear model is off by": percent(sqrt(s.unexplained))}
-        | {"mean": _amount(study, s, s.mean - s.nominal, "+")}
-        | {f"{100 * float(q):g} %": _amount(study, s, value - s.nominal, "+") for q, value in s.quantiles.items()}
-        for s in moving(study)
-    ]
+    """Yield a row a number: the drawing's, and how far the machines are off that."""
+    for s in moving(study):
+        drawn = {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
+        deviations = {"standard deviation": _amount(study, s, s.deviation), "linear": _amount(study, s, s.linear)}
+        off = {"the linear model is off by": percent(sqrt(s.unexplained))}
+        mean = {"mean": _amount(study, s, s.mean - s.nominal, "+")}
+        quantiles = {f"{100 * float(q):g} %": _amount(study, s, v - s.nominal, "+") for q, v in s.quantiles.items()}
+        yield {**drawn, **deviations, **off, **mean, **quantiles}
 
 
 def _amount(study: MonteCarlo, number: Spread, value: float, sign: str = "") -> str:
@@ -97,43 +95,37 @@ def enclosed(study: MonteCarlo) -> TableRows:
 
 
 def shares(study: MonteCarlo) -> TableRows:
-    """A row a number with the share of its variance that each variation has."""
+    """Yield a row a number with the share of its variance that each variation has."""
     named = names(study.scene.variations)
-    return [
-        {"number": capital(s.name)}
-        | {name: f"{100 * share:.1f} %" for name, share in zip(named, s.shares.values(), strict=True)}
-        for s in moving(study)
-    ]
+    for s in moving(study):
+        shares = (f"{100 * share:.1f} %" for share in s.shares.values())
+        yield {"number": capital(s.name), **dict(zip(named, shares, strict=True))}
 
 
 def against_engines(study: MonteCarlo) -> TableRows:
-    """A row a number: by how much the engines differ on the linkage as drawn, and the machines do."""
-    return [
-        {"number": capital(s.name), "the machines' standard deviation": _amount(study, s, s.deviation)}
-        | {f"{engine} differs by": _amount(study, s, off) for engine, off in differences(study, s).items()}
-        | {f"{engine}, of the deviation": percent(off / s.deviation) for engine, off in differences(study, s).items()}
-        for s in moving(study)
-    ]
+    """Yield a row a number: by how much the engines differ on the linkage as drawn, and the machines do."""
+    for s in moving(study):
+        own = {"number": capital(s.name), "the machines' standard deviation": _amount(study, s, s.deviation)}
+        off = differences(study, s)
+        differ = {f"{engine} differs by": _amount(study, s, size) for engine, size in off.items()}
+        yield own | differ | {f"{engine}, of the deviation": percent(by / s.deviation) for engine, by in off.items()}
 
 
 def worst(study: MonteCarlo, machine: int) -> TableRows:
-    """How far each number of the file is off the drawing on one machine."""
+    """Yield how far each number of the file is off the drawing on one machine."""
     here = study.changes(machine)
     drawn = zip(study.scene.variations, here.values(), numbers_in(study.scene.file, [*here]), strict=True)
-    return [
-        {"number of the file": v.path, "as drawn": f"{number:.7g}", "here": f"{own:.7g}"}
-        | {"of what is allowed": f"{100 * (own - number) / v.plus_minus:+.0f} %".replace("-", "−")}
-        for v, own, number in drawn
-    ]
+    for v, own, number in drawn:
+        off = f"{100 * (own - number) / v.plus_minus:+.0f} %".replace("-", "−")
+        numbers = {"as drawn": f"{number:.7g}", "here": f"{own:.7g}"}
+        yield {"number of the file": v.path, **numbers, "of what is allowed": off}
 
 
 def failures(study: MonteCarlo) -> TableRows:
-    """Why machines do not run, and how many."""
-    return [
-        {"machines": f"{f.count:,}", "of all": percent(f.count / study.count), "status": f.status}
-        | {"reason, of the first": f.reason, "the first": f"{f.first:,}"}
-        for f in study.failures
-    ]
+    """Yield why machines do not run, and how many."""
+    for f in study.failures:
+        count = {"machines": f"{f.count:,}", "of all": percent(f.count / study.count)}
+        yield {**count, "status": f.status, "reason, of the first": f.reason, "the first": f"{f.first:,}"}
 
 
 # --- sentences -------------------------------------------------------------------------------------------------------

@@ -89,26 +89,23 @@ def orders(study: Study) -> TableRows:
 
 
 def step_costs(study: Study) -> TableRows:
-    """The cost of a step in every family of settings, and the fixed cost of a run."""
-    return [
-        {"engine": cost.engine, "family": cost.family, "per step [µs]": 1e6 * cost.step_s}
-        | {"fixed [ms]": 1e3 * cost.fixed_s, "residual [%]": 1e2 * cost.residual, "settings": cost.points}
-        for cost in study.step_costs
-    ]
+    """Yield the cost of a step in every family of settings, and the fixed cost of a run."""
+    for cost in study.step_costs:
+        times = {"per step [µs]": 1e6 * cost.step_s, "fixed [ms]": 1e3 * cost.fixed_s}
+        fit = {"residual [%]": 1e2 * cost.residual, "settings": cost.points}
+        yield {"engine": cost.engine, "family": cost.family, **times, **fit}
 
 
 def ablations(study: Study) -> TableRows:
-    """The cost of modelling more than a scene needs: sizes, steps, time per step over that of the default."""
-    rows: list[dict[str, object]] = []
+    """Yield the cost of modelling more than a scene needs: sizes, steps, time per step over that of the default."""
     for engine in dict.fromkeys(row.engine for row in study.speed if row.role == ABLATION):
         own = [row for row in study.speed if row.engine == engine]
         measured = [row for row in own if "balanced" in row.tier] + [row for row in own if row.role == ABLATION]
         seconds = [row.solve_min_s / (row.counters.get("steps") or 1) for row in measured]
         for row, a_step in zip(measured, seconds, strict=True):
-            rows.append({"engine": engine, "setting": row.setting, "status": row.status})
-            rows[-1] |= {size: row.counters.get(size, "–") for size in SIZES}
-            rows[-1] |= {"per step [µs]": 1e6 * a_step, "ratio": a_step / seconds[0]}
-    return rows
+            sizes = {size: row.counters.get(size, "–") for size in SIZES}
+            named = {"engine": engine, "setting": row.setting, "status": row.status}
+            yield {**named, **sizes, "per step [µs]": 1e6 * a_step, "ratio": a_step / seconds[0]}
 
 
 def every_setting(study: Study) -> TableRows:

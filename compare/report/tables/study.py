@@ -18,7 +18,7 @@ from ...judge.errors import by_group as grouped
 from ...judge.errors import shown_groups, worst_of
 from ...judge.judgement import off_sketch
 from ...mechanics.axis import axis, cycle_name
-from ...mechanics.bodies import first_point, largest_length, rule, weights
+from ...mechanics.bodies import first_point, rule, weights
 from ...mechanics.reference import Floor
 from ...study import Study
 from ..numbers import capital
@@ -30,15 +30,13 @@ GATE = ("engine", "group", "tolerance", "error", "met", "worst")  # what the tab
 
 
 def overview(study: Study, *, timed: bool = True) -> TableRows:
-    """One row per engine: status, largest error by group, times if asked. Failed engines keep their row."""
-    rows: list[dict[str, object]] = []
+    """Yield a row per engine: status, largest error by group, times if asked. Failed engines keep their row."""
     for run, worst in ((m.run, m.worst()) for m in study.measurements):
         label, promise = (run.settings.label, f"{run.settings.promise:.0e}") if run.settings else ("", "")
         named = {"engine": run.engine, "status": run.status.name, "setting": label, "promise": promise}
         seconds = {"build": run.build_s, "solve": run.solve_s, "read": run.read_s} if timed else {}
         errors = {group: worst.get(group, nan) for group in ("drive", *shown_groups(study.scene))}
-        rows.append({**named, **errors, **{f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()}})
-    return rows
+        yield {**named, **errors, **{f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()}}
 
 
 def errors(study: Study) -> TableRows:
@@ -52,90 +50,75 @@ def gates(study: Study) -> TableRows:
 
 
 def by_group(study: Study) -> TableRows:
-    """The largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
-    rows: list[dict[str, object]] = []
+    """Yield the largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
     for measured in study.measurements:
         largest = {figure: measured.worst(figure) for figure in FIGURES}
         for group, of in grouped(measured.errors).items():
             worst, figures = worst_of(of), {figure: sizes[group] for figure, sizes in largest.items()}
             at = {"worst_channel": worst.channel, f"max_at [{axis(study.scene).unit}]": worst.max_at}
-            rows.append({"engine": measured.run.engine, "group": group} | figures | at)
-    return rows
+            yield {"engine": measured.run.engine, "group": group} | figures | at
 
 
 def checks(study: Study) -> TableRows:
-    """The worst violation of each reference-free check by engine, and the body with it."""
+    """Yield the worst violation of each reference-free check by engine, and the body with it."""
     at, every = f"max_at [{axis(study.scene).unit}]", dict[tuple[str, str], list[Check]]()
     for engine, check in ((m.run.engine, check) for m in study.measurements for check in m.checks):
         every.setdefault((engine, check.check), []).append(check)
     worst = {key: max(of, key=lambda c: inf if isnan(c.worst) else c.worst) for key, of in every.items()}
     least = 1e-6 * max((abs(c.max_at) for of in every.values() for c in of if not isnan(c.max_at)), default=0)
-    return [
-        {"engine": engine, "check": kind, "of": check.of, "worst": check.worst}
-        | {at: check.max_at if abs(check.max_at) > least else 0.0, "relative to": check.relative_to}  # round-off of 0
-        for (engine, kind), check in worst.items()
-    ]
+    for (engine, kind), check in worst.items():
+        named = {"engine": engine, "check": kind, "of": check.of, "worst": check.worst}
+        place = check.max_at if abs(check.max_at) > least else 0.0  # round-off of 0
+        yield {**named, at: place, "relative to": check.relative_to}
 
 
 def peaks(study: Study) -> TableRows:
-    """One row per number of the designer's, in SI, and by how much each engine differs on it."""
+    """Yield a row per number of the designer's, in SI, and by how much each engine differs on it."""
     at = f"at [{UNITS[quantity(axis(study.scene).channel)]}]"
     engines = dict.fromkeys(engine for peak in study.peaks for engine in peak.differs)
-    return [
-        {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, at: peak.position}
-        | {"direction [rad]": peak.direction, "channel": peak.channel}
-        | {f"{engine} differs by": peak.differs.get(engine, nan) for engine in engines}
-        for peak in study.peaks
-    ]
+    for peak in study.peaks:
+        named = {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, at: peak.position}
+        differ = {f"{engine} differs by": peak.differs.get(engine, nan) for engine in engines}
+        yield {**named, "direction [rad]": peak.direction, "channel": peak.channel, **differ}
 
 
 def residuals(study: Study) -> TableRows:
-    """Every engine's own convergence checks and counters."""
-    return [
-        {"engine": m.run.engine, "quantity": name, "value": value}
-        for m in study.measurements
-        for name, value in (*m.run.residuals.items(), *m.run.counters.items())
-    ]
+    """Yield every engine's own convergence checks and counters."""
+    for run in (m.run for m in study.measurements):
+        for name, value in (*run.residuals.items(), *run.counters.items()):
+            yield {"engine": run.engine, "quantity": name, "value": value}
 
 
 def sketch(study: Study) -> TableRows:
-    """How far the linkage's points are from where the sketch shows them, the farthest first."""
-    (unit, size), largest = study.scene.length_unit, largest_length(study.scene)
-    return [
-        {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
-        for point, distance in sorted(off_sketch(study.reference).items(), key=lambda item: -item[1])
-    ]
+    """Yield how far the linkage's points are from where the sketch shows them, the farthest first."""
+    (unit, size), largest = study.scene.length_unit, study.reference.mechanics.size
+    for point, distance in sorted(off_sketch(study.reference).items(), key=lambda item: -item[1]):
+        yield {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
 
 
 def masses(study: Study, units: Mapping[str, tuple[str, float]] | None = None) -> TableRows:
-    """What mass, centre of mass and inertia each body was taken to have, and by which rule; of no kinematic one.
+    """Yield what mass, centre of mass and inertia each body was taken to have, and by which rule; of no kinematic one.
 
     In units of length and mass, name and size in SI: the file's where none are given.
     """
     scene = study.scene
     (length, m), (mass, kg) = ((units or scene.units)[name] for name in ("length", "mass"))
-    rows: list[dict[str, object]] = []
     for name, body in scene.bodies.items() if scene.has_masses else ():
         own = weights(scene, body)
         com = (own.com + first_point(body)) / m
         placed = {f"mass [{mass}]": own.mass / kg, f"com x [{length}]": com.real, f"com y [{length}]": com.imag}
         turned = {f"inertia [{mass}*{length}^2]": own.inertia / (kg * m**2), "taken as": rule(scene, body)}
-        rows.append({"body": name, **placed, **turned})
-    return rows
+        yield {"body": name, **placed, **turned}
 
 
 def settings(study: Study) -> TableRows:
-    """The settings of every engine's run, their values and meanings, but for texts that are empty."""
-    rows: list[dict[str, object]] = []
+    """Yield the settings of every engine's run, their values and meanings, but for texts that are empty."""
     for run in (m.run for m in study.measurements if m.run.settings):
         meanings = get_type_hints(type(run.settings), include_extras=True)
-        rows += (
-            {"engine": run.engine, "setting": name.replace("_", " "), "value": _value(value)}
-            | {"meaning": meanings[name].__metadata__[0]}
-            for name, value in vars(run.settings).items()
-            if value != ""
-        )
-    return rows
+        for name, value in vars(run.settings).items():
+            if value != "":
+                shown = {"setting": name.replace("_", " "), "value": _value(value)}
+                yield {"engine": run.engine, **shown, "meaning": meanings[name].__metadata__[0]}
 
 
 def _value(value: object) -> object:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -185,11 +186,15 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
     assert (row["outcome"], row["reason"]) == ("silent", "velocity loses 5.0 digits")
 
 
+def study_of(cases: pd.DataFrame) -> Any:
+    return SimpleNamespace(hard=cases, maps=pd.DataFrame())
+
+
 def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
     rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
-    html = render("hard.html", **in_full(pd.DataFrame(rows), pd.DataFrame()))
+    html = render("hard.html", **in_full(study_of(pd.DataFrame(rows))))
     assert "3 runs of 1 linkages" in html
     assert "0 wrong results passed for right ones, 0 right results were refused." in html
     assert "All solve it." in html
     assert "then wrong_branch" in html
-    assert not render("hard.html", **in_full(pd.DataFrame(), pd.DataFrame())).strip()
+    assert not render("hard.html", **in_full(study_of(pd.DataFrame()))).strip()

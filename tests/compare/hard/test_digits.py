@@ -10,6 +10,7 @@ import pytest
 from analytic.core import kinematics
 from compare.engines import registry
 from compare.measure.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions
+from compare.mechanics.reference import uncertified
 from scenes import Failure, Positions, Scene, Status, hard
 from scenes.scene import ConstantSpeed
 from tests import scene_files
@@ -32,7 +33,7 @@ def explained(table: pd.DataFrame) -> bool:
 
 @pytest.mark.parametrize(("name", "label"), [*CASES, *(pytest.param(*case, marks=SLOW) for case in LATER)])
 def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str) -> None:
-    table = digits_lost(rung(name, label)).set_index("group")
+    table = digits_lost(uncertified(rung(name, label))).set_index("group")
     assert set(table.index) == {"position", "velocity", "acceleration", "reaction", "torque"}
     assert explained(table), table[["condition", "allowed", "lost", "worst", "where"]]
     assert table["to_lock"].iloc[0] == pytest.approx(float(label), rel=0.2)  # m; the links of 1 m, or so
@@ -48,7 +49,7 @@ def test_a_worse_formula_is_seen(monkeypatch: pytest.MonkeyPatch, name: str, for
     """Three digits less than a formula may lose there, where the condition is ten."""
     good = getattr(kinematics, formula)
     monkeypatch.setattr(kinematics, formula, lambda *of: good(*of) * (1 + 1e4 * EPS))
-    assert not explained(digits_lost(rung(name, "1e-1")))
+    assert not explained(digits_lost(uncertified(rung(name, "1e-1"))))
 
 
 def test_the_condition_of_a_crank_by_hand() -> None:
@@ -56,7 +57,7 @@ def test_the_condition_of_a_crank_by_hand() -> None:
 
     A velocity goes with the speed w too, an acceleration with w^2, and the force that turns the mass with that mass.
     """
-    table = digits_lost(scene_files.load("crank")).set_index("group")
+    table = digits_lost(uncertified(scene_files.load("crank"))).set_index("group")
     by_hand = {"position": 3.0, "velocity": 4.0, "acceleration": 5.0, "reaction": 6.0, "torque": 1.0}  # of none at all
     for group, condition in by_hand.items():
         assert table["condition"][group] == pytest.approx(condition, rel=1e-3), group  # doubles over a STEP
@@ -104,12 +105,12 @@ def test_a_switch_of_a_press_force_has_no_condition() -> None:
     """The start is the dead point, where the force comes or goes with the last digit."""
     ladder = hard.ladder("dead_point_press")
     (at_it,) = (step.scene() for step in ladder.rungs if step.label == "lower")
-    table = digits_lost(at_it)
+    table = digits_lost(uncertified(at_it))
     assert explained(table)
     assert (table["condition"] < 1e3).all()
 
 
 def test_what_has_no_certified_truth_is_told() -> None:
     with pytest.raises(Failure, match="reached at crank angle") as failure:
-        digits_lost(scene_files.load("slider_crank", {"bodies.rod.lengths.A-B": 0.5}))
+        digits_lost(uncertified(scene_files.load("slider_crank", {"bodies.rod.lengths.A-B": 0.5})))
     assert failure.value.status is Status.cannot_assemble

@@ -13,7 +13,7 @@ from compare.engines import runner
 from compare.engines.runner import HERE, Runs
 from compare.judge import checks, errors, measure, verdict
 from compare.judge.agreement import Judgement
-from compare.judge.canaries import thinned
+from compare.judge.canaries import noticed
 from compare.judge.canaries.canaries import canaries
 from compare.judge.canaries.sizes import sizes
 from compare.judge.checks import Check
@@ -133,13 +133,13 @@ def widely_compared(run: Any, *rest: Any) -> Any:
 
 WRONG: dict[str, list[Patch]] = {  # the comparison where it is wrong, and what stands there
     "no gates for failed engines": [
-        (thinned, "gates", lambda scene, ms: gates(scene, [m for m in ms if m.run.status is Status.ok]))
+        (noticed, "gates", lambda scene, ms: gates(scene, [m for m in ms if m.run.status is Status.ok]))
     ],
     "compared with itself": [(measure, "compare", compared_with_itself)],
     "a channel left out": [
         (reference, "relative_errors", lambda *of: {c: e for c, e in relative_errors(*of).items() if c != "P3.fx"})
     ],
-    "completeness not checked": [(module, "complete", lambda run, *_: run) for module in (measure, thinned)],
+    "completeness not checked": [(module, "complete", lambda run, *_: run) for module in (measure, noticed)],
     "wider limits": [
         (verdict, "limits", lambda settings: [one._replace(most=1000 * one.most) for one in limits(settings)])
     ],
@@ -150,7 +150,7 @@ WRONG: dict[str, list[Patch]] = {  # the comparison where it is wrong, and what 
     ],
     "checks not run": [(measure, "checks", lambda *_: [])],
     "rows not checked": [(runner, "_check_rows", lambda *_: None)],
-    "nothing missed": [(thinned, "missed", lambda *_: [])],
+    "nothing missed": [(noticed, "missed", lambda *_: [])],
 }
 
 

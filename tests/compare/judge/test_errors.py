@@ -197,7 +197,7 @@ def standing(reference: Reference, row: int, *, acting: bool) -> Motion:
 
 def worst(reference: Reference, motion: Motion) -> tuple[float, float]:
     """Return the largest error, and the largest violation of Newton, Euler and power."""
-    errors = error_table("x", compare(reference, SAMPLING, motion), replace(reference, floor=Floor({}, "")))
+    errors = [*error_table("x", compare(reference, SAMPLING, motion), replace(reference, floor=Floor({}, "")))]
     return worst_of(errors).max, max(c.worst for c in checks(reference.mechanics, motion, reference.travel))
 
 

@@ -72,7 +72,7 @@ def test_the_allowance_is_a_few_roundings(reference: Reference) -> None:
         assert np.array_equal(allowed, np.maximum(2.0**-52 * explained.condition, moved))
         assert 20 * 2.0**-52 < allowed.max() < 200 * 2.0**-52, channel  # measured: 43 to 105 of them
     wrong = changed(motion, "P3.fx", 1e-13 * reference.scale["P3.fx"])
-    table = error_table("x", compare(reference, SAMPLING, wrong), reference, explained)
+    table = [*error_table("x", compare(reference, SAMPLING, wrong), reference, explained)]
     assert row_of(table, "P3.fx").unexplained == pytest.approx(1e-13, rel=0.2)  # less a few roundings
 
 
@@ -84,7 +84,7 @@ def test_an_error_is_a_fault_only_above_it(reference: Reference) -> None:
 
     def unexplained(row: int, by: float) -> float:
         comparison = compare(reference, SAMPLING, changed(motion, "P3.fx", by * size, row))
-        return row_of(error_table("x", comparison, reference, explained), "P3.fx").unexplained
+        return row_of([*error_table("x", comparison, reference, explained)], "P3.fx").unexplained
 
     assert unexplained(40, 0.9e-3) <= 1e-14  # of which no more than the floor is shown
     assert unexplained(40, 1.1e-3) == pytest.approx(1.1e-3)

@@ -185,16 +185,16 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
     runs = (ok, failed, replace(ok, engine="pymunk"))
     measured = [assess(reference, SAMPLING, one, explain(reference, SAMPLING)) for one in runs]
     line = "exudyn: P4.fx has the opposite sign"
-    assert sentences(reference, SAMPLING, measured) == {"exudyn": f"{line}, the others agree"}
+    assert sentences(reference, measured) == {"exudyn": f"{line}, the others agree"}
     another = replace(measured[1], run=replace(failed, engine="other"))
-    assert sentences(reference, SAMPLING, [*measured[1:], another])["exudyn"] == line
+    assert sentences(reference, [*measured[1:], another])["exudyn"] == line
     measured[1] = replace(measured[1], finer="more steps leave 1.0%")
     line = "exudyn: its settings are too coarse: of its error more steps leave 1.0%"
-    assert sentences(reference, SAMPLING, measured) == {"exudyn": f"{line}, the others agree"}
+    assert sentences(reference, measured) == {"exudyn": f"{line}, the others agree"}
     doubted = replace(reference, floor=replace(reference.floor, doubt="suspect the core"))
-    assert sentences(doubted, SAMPLING, measured) == {"analytic": "analytic: suspect the core"}
+    assert sentences(doubted, measured) == {"analytic": "analytic: suspect the core"}
     fine = replace(measured[1], run=replace(measured[1].run, motion=commanded(reference)), finer="")
-    assert sentences(reference, SAMPLING, [measured[0], fine]) == {}, "a cause that is unknown is not written"
+    assert sentences(reference, [measured[0], fine]) == {}, "a cause that is unknown is not written"
 
 
 def test_another_engine_with_the_same_mistake_does_not_agree(references: References) -> None:
@@ -209,5 +209,5 @@ def test_another_engine_with_the_same_mistake_does_not_agree(references: Referen
     lacking = replace(right, engine="pymunk", motion=Motion(kept))
     for other in (coarse, lacking):
         measured = [assess(reference, SAMPLING, one, explain(reference, SAMPLING)) for one in (right, failed, other)]
-        line = sentences(reference, SAMPLING, measured)["exudyn"]
+        line = sentences(reference, measured)["exudyn"]
         assert line == "exudyn: P4.fx is 1.05 times what it should be", other.engine

@@ -18,7 +18,7 @@ PRESS = Study.of(judged(load("toggle_press_friction"), ["analytic"], Sampling(72
 def test_the_drawer_s_losses_are_those_of_a_constant_pull() -> None:
     """Over 250 mm, of a pull of 8 N / (1 - 0.9), 8 N reach the load and 72 N are lost; 2 mu e is 0.9 of the length."""
     (row,) = by_joint(STUDY)
-    assert abs(row["work lost a cycle [J]"] - 72 * 0.25) < 1e-9  # type: ignore[operator]  # rounding of a sum of 3600
+    assert abs(row["work lost a cycle [J]"] - 72 * 0.25) < 1e-9  # rounding of a sum of 3600
     text = " ".join(sentences(STUDY))
     assert "10 % of the drive's work, 20.0 J, reaches the loads; 18.0 J are lost" in text
     assert "largest force is 80.0 N, without friction 8.00 N" in text

@@ -90,7 +90,7 @@ def test_what_ok_does_not_cover_is_reported(tmp_path: Path, references: Referenc
     assert found.notes[0] == "theirs has 3 rows, over 0.1 cycles of the drive, from crank angle 36.0000 deg on"
     alone = read_result(PRESS, f"one={Writer().file(tmp_path, Writer().columns(PRESS, times[:1], names))}")
     assert alone.notes[0].startswith("one has 1 row, over 0 cycles")
-    assert coarse(assess_result(references("toggle_press"), found)) == []
+    assert not [*coarse(assess_result(references("toggle_press"), found))]
     (line,) = coarse(assessed(references, tmp_path, columns, time=".2f"))
     assert line.startswith("theirs: P5.vy may be off by 2.2e-03 unnoticed, by its decimals")
     columns = Writer().columns(PRESS, instants(PRESS, 20), names)

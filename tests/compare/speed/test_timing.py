@@ -7,7 +7,7 @@ from math import inf
 import pytest
 
 from compare.engines.runner import Run
-from compare.measure.speed.timing import Budget, Times, take_turns
+from compare.measure.speed.timing import Budget, spent, take_turns
 from scenes import Status
 
 from .stubs import quiet
@@ -30,7 +30,7 @@ class Job:
 
 def turns(
     jobs: Sequence[Job], budget: Budget, in_doubt: Callable[[Sequence[float]], Sequence[int]], first: float = 0.0
-) -> tuple[list[Times], str]:
+) -> tuple[list[list[Run]], str]:
     """The times, and the engines in the order in which they ran, a bar after each batch; warming up took `first` s."""
     ran: list[str] = []
     runs = [Run(job.engine, None, Status.ok, build_s=0.0, solve_s=first, read_s=0.0) for job in jobs]
@@ -83,7 +83,7 @@ def test_rounds_go_on_until_the_fastest_time_is_known_or_the_budget_ends(
 def test_build_and_solve_are_timed_apart() -> None:
     (times,), _ = turns([Job("a", [2.0], build=1.0)], Budget(10, inf), all_of)
     assert [(run.build_s, run.solve_s, run.wall_s) for run in times] == [(1.0, 2.0, 4.0)] * 3
-    assert times.spent == 9
+    assert spent(times) == 9
 
 
 def test_a_setting_whose_first_run_took_its_share_is_timed_where_it_decides() -> None:

@@ -179,4 +179,4 @@ def test_what_a_step_costs() -> None:
     assert row.fixed_s == pytest.approx(1e-3)
     assert row.step_s == pytest.approx(1e-5)
     assert row.residual <= 1e-12
-    assert not step_costs(family(STEPS[:2], [1.0] * 2))
+    assert not [*step_costs(family(STEPS[:2], [1.0] * 2))]

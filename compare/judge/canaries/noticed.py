@@ -11,7 +11,6 @@ from scenes import Failure, Motion, Sampling, Status
 from scenes.model.motion import Samples, channels, force_channels, quantity
 
 from ...engines.runner import Run, complete
-from ...mechanics.bodies import largest_length
 from ...mechanics.friction import resting
 from ...mechanics.mechanics import GROUPS
 from ...mechanics.motion_vectors import MotionVectors
@@ -45,6 +44,10 @@ class Thinned:
         self.scene, self.motion, self.settings = reference.scene, run.motion, run.settings
         self.true = reference.at(sampling.commanded(self.scene), sampling.times(self.scene))  # what it should be
         self.drive = self.scene.drive_channel
+        # Where all channels are there, its own output has to show that it is wrong.
+        self.complete = self.motion.samples.keys() >= {*channels(self.scene)}
+        # What errors are relative to, by channel, within a factor of two, each of shape (n,).
+        self.sizes = sizes(self.scene, reference.cycle, self.true, reference.scale)
 
     def excess(self, times: float) -> Mapping[str, Samples]:
         """Relative errors that are so many times what the run may have, by channel, each of shape (n,)."""
@@ -61,11 +64,6 @@ class Thinned:
         return {channel: error * self.sizes[channel] for channel, error in self.excess(times).items()}
 
     @cached_property
-    def sizes(self) -> Mapping[str, Samples]:
-        """What errors are relative to, by channel, within a factor of two, each of shape (n,)."""
-        return sizes(self.scene, self.reference.cycle, self.true, self.reference.scale)
-
-    @cached_property
     def rounding(self) -> Mapping[str, Samples]:
         """More than what round-off explains, relative, by channel: by the motion with numbers a few last places off."""
         position, time = self.true[self.drive], self.true["time"]
@@ -77,11 +75,6 @@ class Thinned:
         least, cancelled = EPS * self.explained.condition, self.explained.cancelled
         relative = {c: [length(motion, c) / size for motion in moved] for c, size in self.sizes.items()}
         return {c: ROUNDINGS * np.max([least, cancelled.get(c, least), *of], axis=0) for c, of in relative.items()}
-
-    @property
-    def complete(self) -> bool:
-        """Whether all channels are there: then its own output has to show that it is wrong."""
-        return self.motion.samples.keys() >= {*channels(self.scene)}
 
     def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
         """The judgement of another motion in place of the run's."""
@@ -158,7 +151,7 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
     """Whether each balance finds a force on the driven body far above all, and a couple above its moment."""
     scene, (*others, effort), driven = copy.scene, force_channels(copy.scene), copy.scene.drive.body
     force = times * max(float(copy.sizes[channel].max()) for channel in (*others, effort))
-    couple = ARMS * force * largest_length(scene)
+    couple = ARMS * force * copy.reference.mechanics.size
     if scene.driven_slide is None:
         joint = next(f"{pin.channel}.fx" for pin in scene.pins if driven in (pin.first, pin.second))
         both: dict[str, Samples | float] = {joint: force, effort: couple}
