@@ -6,7 +6,8 @@ holds no extreme. All boxes of a level go through the line at once.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -40,8 +41,8 @@ class Extremes:
     open_at: Span | None  # the first part of the way where one of the conditions may not hold
 
 
-@dataclass
-class _Level:
+@dataclass(frozen=True)
+class _Boxes:
     """Boxes that were evaluated together; the rows with either sign, shape (2, ..., rows, n)."""
 
     low: Samples
@@ -49,13 +50,13 @@ class _Level:
     c: Samples
     rest: Samples  # (rows, n)
     most: Samples
-    attained: Samples  # (2, rows)
+    attained: Samples
     doubtful: Any  # (n,): where a condition may not hold
     fails: Any  # where one does not
-    open: Any  # what is to be divided, and for which row
 
     @classmethod
-    def of(cls, found: tuple[TaylorModel, Numbers], low: Samples, high: Samples, rows: int) -> "_Level":
+    def of(cls, found: tuple[TaylorModel, Numbers], low: Samples, high: Samples, rows: int) -> "_Boxes":
+        """Boxes by their models, of which some may be of one box."""
         models, own = found
         assumed = np.bincount(own)[own] > 1
         c, rest = models.c[:, :rows], models.rest[:rows]
@@ -65,24 +66,33 @@ class _Level:
         least, largest = (bound[rows:] for bound in models.range)
         doubtful, fails = ~(least > 0).all(axis=0), (largest < 0).any(axis=0)
         most, attained = np.where(unknown, np.inf, top + off), np.where(unknown | fails | assumed, -np.inf, top - off)
-        return cls(
-            low[own], high[own], c, rest, most, attained.max(axis=-1), doubtful, fails, np.zeros(most.shape, np.bool_)
-        )
+        return cls(low[own], high[own], c, rest, most, attained, doubtful, fails)
 
-    def within(self, sense: int, row: int, attained: float) -> tuple[Samples, Samples]:
-        """The parts of boxes, divided no further, where a row may attain a value, shape (n,) each."""
-        here = ~self.open[sense, row] & ~self.fails & (self.most[sense, row] >= attained)
-        low, high, rest = self.low[here], self.high[here], self.rest[row, here]
-        c0, c1, c2 = self.c[sense, :3, row, here].T
-        c0 = c0 + rest + np.abs(self.c[sense, 3:, row, here]).sum(axis=-1)
-        with np.errstate(invalid="ignore", divide="ignore"):  # between the roots of a parabola that has a top
-            root = np.sqrt(np.maximum(c1 * c1 - 4 * c2 * (c0 - attained), 0))
-            ends = [np.where(c2 < 0, (c1 + sign * root) / (-2 * c2), sign) for sign in (-1, 1)]
+    @classmethod
+    def joined(cls, several: Sequence["_Boxes"]) -> "_Boxes":
+        """All of several."""
+        every = (np.concatenate([getattr(one, each.name) for one in several], axis=-1) for each in fields(cls))
+        return cls(*every)
+
+    def picked(self, some: Any) -> "_Boxes":
+        """Some of the boxes."""
+        return _Boxes(*(getattr(self, each.name)[..., some] for each in fields(self)))
+
+    def within(self, attained: Samples) -> tuple[Numbers, Samples, Samples]:
+        """The parts of boxes where rows may attain values, shape (2, rows): of which row, from where and to where."""
+        sense, row, box = np.nonzero((self.most >= attained[..., np.newaxis]) & ~self.fails)
+        c0, c1, c2 = (self.c[sense, k, row, box] for k in range(3))
+        over = c0 + self.rest[row, box] + np.abs(self.c[sense, 3:, row, box]).sum(axis=1) - attained[sense, row]
+        low, high = self.low[box], self.high[box]
         middle, half = (low + high) / 2, (high - low) / 2
         off = 1e-6 * half + 8 * ROUNDED * np.maximum(np.abs(low), np.abs(high))
-        ends = [np.where(np.isfinite(end), np.clip(end, -1, 1), sign) for end, sign in zip(ends, (-1, 1), strict=True)]
-        first, last = (middle + half * end for end in ends)
-        return np.maximum(first - off, low), np.minimum(last + off, high)
+        with np.errstate(invalid="ignore", divide="ignore"):  # between the roots of a parabola that has a top
+            root = np.sqrt(np.maximum(c1 * c1 - 4 * c2 * over, 0))
+            first, last = (
+                middle + half * np.where((c2 < 0) & np.isfinite(over), np.clip((c1 + s * root) / (-2 * c2), -1, 1), s)
+                for s in (-1, 1)
+            )
+        return sense * attained.shape[1] + row, np.maximum(first - off, low), np.minimum(last + off, high)
 
 
 def extremes(
@@ -105,23 +115,19 @@ def extremes(
     rest = models(low, low)[0].rest[:rows]
     rounding = DECIDED * np.median(np.where(np.isnan(rest), 0.0, rest), axis=-1)
     attained = np.full((2, rows), -np.inf)
-    levels: list[_Level] = []
+    done: list[_Boxes] = []
     while True:
-        level = _Level.of(models(low, high), low, high, rows)
-        levels.append(level)
-        attained = np.maximum(attained, level.attained)
-        tolerance = np.maximum(_tolerance(attained, kinds, accuracy), rounding)
-        divisible = ~level.fails & (level.high - level.low > LEAST * way)
-        level.open = (level.most > (attained + tolerance)[..., np.newaxis]) | level.doubtful
-        level.open &= divisible
-        divided = np.isin(level.low, level.low[level.open.any(axis=(0, 1))])
-        level.open |= divided  # with all that is assumed of them
-        count = len(low := np.unique(level.low[divided]))
-        if not count or FEWEST * count > TOO_MANY:
-            level.open[:] = False
-            return _enclosed(levels, attained, LEAST * way)
-        parts = int(np.clip(AT_ONCE // count, FEWEST, MOST))
-        high = np.unique(level.high[divided])
+        level = _Boxes.of(models(low, high), low, high, rows)
+        attained = np.maximum(attained, level.attained.max(axis=-1))
+        enough = attained + np.maximum(_tolerance(attained, kinds, accuracy), rounding)
+        wanted = (level.most > enough[..., np.newaxis]).any(axis=(0, 1)) | level.doubtful
+        wanted &= ~level.fails & (level.high - level.low > LEAST * way)
+        divided = np.isin(level.low, level.low[wanted])  # with all that is assumed of a box
+        low, high = np.unique(level.low[divided]), np.unique(level.high[divided])
+        if not len(low) or FEWEST * len(low) > TOO_MANY:
+            return _enclosed(_Boxes.joined([*done, level]), attained, LEAST * way)
+        done.append(level.picked(~divided))
+        parts = int(np.clip(AT_ONCE // len(low), FEWEST, MOST))
         ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
         ends[-1] = high
         low, high = ends[:-1].ravel(), ends[1:].ravel()
@@ -136,28 +142,20 @@ def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
     return np.where(np.isfinite(span), np.where(span > FLAT * size[kinds], accuracy * span, flat), 0.0)
 
 
-def _enclosed(levels: Sequence[_Level], attained: Samples, apart: float) -> Extremes:
-    """The bounds by the boxes that were divided no further."""
-    most = np.max([np.where(one.open | one.fails, -np.inf, one.most).max(axis=-1) for one in levels], axis=0)
-    most = np.maximum(attained, most)
-    first, last = np.full((2, *attained.shape), np.nan)
-    for sense, row in np.ndindex(attained.shape):
-        within = [one.within(sense, row, float(attained[sense, row])) for one in levels]
-        begins, ends = (np.concatenate(edges) for edges in zip(*within, strict=True))
-        first[sense, row], last[sense, row] = _first(begins, ends, apart) or (np.nan, np.nan)
+def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> Extremes:
+    """The bounds by boxes with all the way."""
+    most = np.maximum(attained, np.where(boxes.fails, -np.inf, boxes.most).max(axis=-1))
+    which, begins, ends = boxes.within(attained)
+    edges = np.searchsorted(which, np.arange(attained.size + 1))
+    parts = [_first(begins[a:b], ends[a:b], apart) or (np.nan, np.nan) for a, b in pairwise(edges)]
+    first, last = np.reshape(parts, (*attained.shape, 2)).transpose(2, 0, 1)
     low, high = np.stack([-most[0], attained[1]]), np.stack([-attained[0], most[1]])
-    return Extremes(low, high, first, last, _open_at(levels, apart))
-
-
-def _open_at(levels: Sequence[_Level], apart: float) -> Span | None:
-    """Where a condition first may not hold, as far as that is open: it holds before, and fails behind."""
-    low, high, doubtful, fails = (
-        np.concatenate([getattr(one, name)[~one.open.any(axis=(0, 1))] for one in levels])
-        for name in ("low", "high", "doubtful", "fails")
-    )
-    open_at = _first(low[doubtful & ~fails], high[doubtful & ~fails], apart)
-    failing = low[fails].min(initial=np.inf)
-    return open_at if open_at is not None and open_at[0] <= failing else (failing, failing) if fails.any() else None
+    unsure = boxes.doubtful & ~boxes.fails
+    open_at = _first(boxes.low[unsure], boxes.high[unsure], apart)
+    failing = float(boxes.low[boxes.fails].min(initial=np.inf))
+    if failing < np.inf and (open_at is None or failing < open_at[0]):
+        open_at = failing, failing  # from where the way begins, or where an open part has no width
+    return Extremes(low, high, first, last, open_at)
 
 
 def _first(begins: Samples, ends: Samples, apart: float) -> Span | None:

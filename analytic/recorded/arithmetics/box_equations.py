@@ -16,8 +16,10 @@ SLACK = 1e-7  # of a bound
 def stacked(models: Sequence[TaylorModel]) -> TaylorModel:
     """Models as one, of shape (k, n)."""
     n = max(one.c.shape[-1] for one in models)
-    c = np.stack([np.broadcast_to(one.c, (*one.c.shape[:-1], n)) for one in models], axis=1)
-    return TaylorModel(c, np.stack([np.broadcast_to(one.rest, (n,)) for one in models]))
+    c, rest = np.empty((len(models[0].c), len(models), n)), np.empty((len(models), n))
+    for i, one in enumerate(models):
+        c[:, i], rest[i] = one.c, one.rest
+    return TaylorModel(c, rest)
 
 
 def picked(x: TaylorModel, i: Any) -> TaylorModel:

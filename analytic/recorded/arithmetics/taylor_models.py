@@ -53,7 +53,7 @@ class TaylorModel:
         """The most of all terms."""
         return np.asarray(self.sizes[0] + self.moving)
 
-    @cached_property
+    @property
     def radius(self) -> Samples:
         """By how much it differs at most from its first term."""
         return np.asarray((self.moving + self.rest) * UP)
