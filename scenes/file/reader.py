@@ -128,9 +128,9 @@ def _scene(table: SceneFile, file: str) -> Scene:
 
 def _limits(table: SceneFile, scene: Scene) -> Mapping[str, Limit]:
     held: dict[str, Limit] = {}
-    known = {*channels(scene), *magnitudes(scene), TRANSMISSION} - {"time", scene.drive_channel}
+    known = [*channels(scene)[2:], *magnitudes(scene), TRANSMISSION]  # the first are the time and the drive's position
     for name, limit in table.limits.items():
-        place = f"limits.{name if name == TRANSMISSION else repr(name)}".replace("'", '"')
+        place = f"limits.{name}"
         if name not in known:
             raise InputError(f"{place}: no such channel or magnitude{nearest(name, known)}")
         if limit.least is None and limit.most is None:

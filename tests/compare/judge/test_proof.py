@@ -1,0 +1,92 @@
+"""What is proven over the whole range in a judgement: limits held against it, and where nothing is known."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import compare
+from compare.judge.proof import held, proven
+from compare.report.tables.proof import bounds, sentences
+from compare.run import main
+from scenes import InputError, Sampling, Scene
+from scenes.model.enclosures import Enclosure, Enclosures
+from tests import scene_files
+
+FEW = Sampling(samples=8)
+# The slider-crank's rod is 3 m, its crank 1 m: B runs from 2 to 4 m.
+LIMITS = {"limits": {"B.x": {"least": 1.9, "most": 3.9}, "A.speed": {"most": 1e3}, "transmission": {"least": 0.1}}}
+
+
+def limited(limits: scene_files.Changes) -> Scene:
+    return scene_files.load("slider_crank", limits)
+
+
+def test_limits_are_met_or_missed() -> None:
+    scene = limited(LIMITS)
+    result = compare.check(scene, engines=("analytic",), samples=8)  # at which B.x is never more than 3.9 but once
+    assert [limit.outcome for limit in result.limits] == ["met", "missed", "met", "met"]
+    assert not result.ok
+    (missed,) = result.missed
+    assert missed.startswith("limits.B.x: at most 3.9 m missed: 4 m at ")
+    said = [*sentences(result)][-1]
+    assert said.startswith("3 of 4 limits are met at every position; B.x: at most 3.9 m missed: 4 m at ")
+
+
+def test_a_limit_between_the_bounds_is_not_decided() -> None:
+    scene = limited({"limits": {"B.x": {"most": 4.0}}})
+    row = Enclosure("B.x", "most", 3.9999, 4.0001, 0.0, 0.1)
+    (limit,) = held(scene, FEW, Enclosures([row], None))
+    assert limit.outcome == "not decided"
+    assert "between 3.9999 and 4.0001 m" in limit.text
+
+
+def test_a_limit_of_what_is_not_proven_is_not_decided() -> None:
+    (limit,) = held(limited({"limits": {"B.x": {"most": 4.1}}}), FEW, Enclosures((), (0.1, 0.2)))
+    assert limit.outcome == "not decided"
+
+
+def test_channels_that_are_not_asked_for_have_no_bounds_and_no_limits() -> None:
+    scene = limited(LIMITS)
+    asked = Sampling(samples=8, channels=frozenset({"A.vx", "A.vy"}))
+    proof = proven(scene, asked)
+    assert {row.channel for row in proof.rows} == {"A.vx", "A.vy", "A.speed"}
+    assert [limit.enclosure.channel for limit in held(scene, asked, proof)] == ["A.speed"]
+
+
+@pytest.mark.parametrize(
+    ("limits", "expected"),
+    [
+        ({"B.ayy": {"most": 1}}, "limits.B.ayy: no such channel or magnitude; did you mean 'B.ay'?"),
+        ({"time": {"most": 1}}, "limits.time: no such channel or magnitude"),
+        ({"B.x": {}}, "limits.B.x: expected 'least', 'most' or both"),
+        ({"B.x": {"least": 2, "most": 1}}, "limits.B.x.least: expected 1, the most, or less, found 2"),
+        ({"B.x": {"mots": 1}}, "limits.B.x.mots: unknown key; did you mean 'most'?"),
+    ],
+)
+def test_limits_that_are_none(limits: scene_files.Changes, expected: str) -> None:
+    with pytest.raises(InputError) as refused:
+        limited({"limits": limits})
+    assert expected in str(refused.value)
+
+
+def test_the_command_line_stops_at_a_limit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = scene_files.write(tmp_path, "slider_crank", LIMITS)
+    arguments = [str(file), "--engines", "analytic", "--samples", "8", "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--check"]) == 1
+    assert "missed: limits.B.x: at most 3.9 m missed" in capsys.readouterr().out
+    assert main(arguments) == 0
+    table = pd.read_csv(tmp_path / "out" / "slider_crank" / "enclosures.csv")
+    assert list(table.columns) == ["channel", "extreme", "low", "high", "position_low", "position_high"]
+    most = table[(table["channel"] == "B.x") & (table["extreme"] == "most")].iloc[0]
+    assert most["low"] <= 4.0 <= most["high"]
+    assert most["high"] - most["low"] <= 2e-6  # a millionth of the stroke of 2 m
+
+
+def test_bounds_that_are_shown_are_bounds() -> None:
+    """The slider-crank's B.x is 4 m at most, and a rounding of what is more is no bound."""
+    result = compare.check(limited({}), engines=("analytic",), samples=8)
+    (row,) = (row for row in bounds(result) if row["channel"] == "B.x")
+    shown = [float(str(row[name]).split()[0].replace(",", "")) for name in ("never below", "never above")]
+    assert shown[0] <= 2.0
+    assert shown[1] >= 4.0
