@@ -114,12 +114,15 @@ class Judgement:
     @property
     def misses(self) -> list[Miss]:
         """The same, each with its engine and channel group; a doubt about the reference comes first."""
+        return self.disagreements + [Miss("", "", f"limits.{one.text}") for one in self.limits if one.outcome != MET]
+
+    @property
+    def disagreements(self) -> list[Miss]:
+        """What of that is the models', not the linkage's."""
         doubt = self.reference.floor.doubt
         asked = any(m.run.engine == REFERENCE for m in self.measurements)
         doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not asked else []
-        limits = [f"limits.{limit.text}" for limit in self.limits if limit.outcome != MET]
-        lines = [Miss("", "", line) for line in (*limits, *self.let_through)]
-        misses = doubted + missed(self.measurements, self.held) + lines
+        misses = doubted + missed(self.measurements, self.held) + [Miss("", "", line) for line in self.let_through]
         return sorted(misses, key=lambda miss: miss.engine != REFERENCE) if doubt else misses
 
     @cached_property
@@ -136,7 +139,7 @@ class Judgement:
     def agreement(self) -> Agreement:
         """Whether the models agree.
 
-        They agree where the judgement is ok, and other engines confirm every channel of the reference; in part, where
+        They agree where none of them is off, and other engines confirm every channel of the reference; in part, where
         no model contradicts another and some of them, or arbitrary precision, confirm the reference.
         """
         others = [m for m in self.measurements if m.run.engine != REFERENCE]
@@ -155,7 +158,7 @@ class Judgement:
         if unchecked:
             where = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)
             sentences.append(f"No other engine that is ok gives {unchecked[0]}{where}.")
-        agrees = self.ok and not unchecked
+        agrees = not self.disagreements and not unchecked
         if agrees and self.held:
             count = len(self.held)
             sentences.append("The tolerance is met." if count == 1 else f"All {count} tolerances are met.")
