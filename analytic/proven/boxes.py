@@ -198,7 +198,9 @@ def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> list[T
     def each(values: Sequence[float]) -> TaylorModel:
         return point(np.array(values)[own], like)
 
-    t = way - each([piece.begin for piece in pieces]) - each([piece.lag for piece in pieces])
+    begin = each([piece.begin for piece in pieces])
+    begin.rest = len(pieces) * LAST_PLACE * begin.most  # a sum of as many durations at most
+    t = way - begin - each([piece.lag for piece in pieces])
     position = rate = acceleration = point(np.zeros(len(middle)), like)
     terms = np.zeros((3, len(middle)))  # the sums of their sizes, of which the law's own numbers are off by a share
     for k in reversed(range(max(len(piece.polynomial) for piece in pieces))):
