@@ -156,13 +156,26 @@ class Boxes:
         else:
             given = {**dict(zip(Driven._fields, driven(drive.pieces, way, middle), strict=True)), "time": way}
             at = drive.at(middle)
-        guesses = inputs_at(at, [self.core.linkage.tracks])
-        given |= {
-            name: point(np.ravel(values), self.like) for name, values in guesses.items() if name not in Driven._fields
-        }
+        given |= self._guesses(at, low, high)
         for name, winding in self.core.windings.items():
             given[name] = point(winding(at.position), self.like)
         return given
+
+    def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
+        """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near each."""
+        tracks, found = [self.core.linkage.tracks], dict[str, TaylorModel]()
+        if not self.core.linkage.tracks:
+            return found
+        drive, constant = self.scene.drive, isinstance(self.scene.drive, ConstantSpeed)
+        places = (at.position, *(ends if constant else drive.at(ends).position for ends in (low, high)))
+        several = [inputs_at(at._replace(position=position), tracks) for position in places]
+        for name in several[0].keys() - {*Driven._fields}:
+            three = np.stack([np.broadcast_to(np.ravel(one[name]), low.shape) for one in several])
+            known = np.take_along_axis(three, np.isnan(three).argmin(axis=0)[np.newaxis], axis=0)
+            middle, first, last = np.where(np.isnan(three), known, three)
+            found[name] = point(middle, self.like)
+            found[name].c[1:3] = (last - first) / 2, (last + first) / 2 - middle
+        return found
 
 
 def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:

@@ -6,7 +6,7 @@ from collections.abc import Set as AbstractSet
 import numpy as np
 
 from scenes import Scene
-from scenes.arguments import finite_numbers, known_names, scene_of
+from scenes.arguments import finite_numbers, known_names, refuse, scene_of
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
 
@@ -37,7 +37,8 @@ def enclose(
     """
     numbers = scene_of(scene).numbers
     known_names("off", off or {}, numbers)
-    finite_numbers("accuracy", accuracy)
+    if not finite_numbers("accuracy", accuracy) > 0:
+        refuse("accuracy", "a number above zero", accuracy)
     boxes = Boxes(scene, names, off or {})
     found = extremes(boxes, boxes.ways.divided(FIRST), boxes.kinds, accuracy)
     rows = [
@@ -60,6 +61,11 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
         By name, shape (n,); NaN where nothing is known.
     """
     boxes = Boxes(scene, names, {})
-    models, own = boxes(edges[:-1], edges[1:])
-    off = np.maximum.reduceat(np.abs(models.c[2]) + 2 * models.rest, np.flatnonzero(np.diff(own, prepend=-1)), axis=1)
+    ends = np.union1d(edges, boxes.ways.edges[(boxes.ways.edges > edges[0]) & (boxes.ways.edges < edges[-1])])
+    models, own = boxes(ends[:-1], ends[1:])
+    low, high = models.range
+    first = np.searchsorted(ends[own], edges[:-1])  # of the models between two places
+    apart = np.maximum.reduceat(high, first, axis=1) - np.minimum.reduceat(low, first, axis=1)
+    single = np.diff(np.append(first, len(own))) == 1  # without a jump between them, and within one piece of a law
+    off = np.where(single, (np.abs(models.c[2]) + 2 * models.rest)[:, first], apart)
     return dict(zip(boxes.names, off, strict=False))  # the conditions come last

@@ -152,9 +152,10 @@ def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> Extremes:
     low, high = np.stack([-most[0], attained[1]]), np.stack([-attained[0], most[1]])
     unsure = boxes.doubtful & ~boxes.fails
     open_at = _first(boxes.low[unsure], boxes.high[unsure], apart)
-    failing = float(boxes.low[boxes.fails].min(initial=np.inf))
-    if failing < np.inf and (open_at is None or failing < open_at[0]):
-        open_at = failing, failing  # from where the way begins, or where an open part has no width
+    if boxes.fails.any():
+        first_failing = np.where(boxes.fails, boxes.low, np.inf).argmin()
+        failing = float(boxes.low[first_failing]), float(boxes.high[first_failing])
+        open_at = min(open_at or failing, failing)
     return Extremes(low, high, first, last, open_at)
 
 

@@ -27,9 +27,10 @@ class Closed:
         """The coordinates, given what `Recorder.closed` has: nothing where none, or several, may be in a box."""
         k, like = self.k, self.like
         known = dict(zip((one.order for one in self.outer), given[k + 3 :], strict=True))
-        middles = [one.c[0] for one in given]
-        n = max(len(one) for one in middles)
-        start = self.newton((1, n), *(np.broadcast_to(one, (1, n)) for one in middles))[:, 0]
+        n = max(len(one.rest) for one in given)
+        at = ([one.c[0] + s * one.c[1] + s * s * one.c[2] for s in (0, -1, 1)] for one in given)  # middles and ends
+        several = (np.broadcast_to(one, (3, n)).reshape(1, 3 * n) for one in at)
+        start, *ends = np.moveaxis(self.newton((1, 3 * n), *several).reshape(k, 3, n), 1, 0)
 
         def equations(c: Samples, off: Samples) -> tuple[TaylorModel, TaylorModel]:
             q = TaylorModel(c, off)
@@ -46,7 +47,9 @@ class Closed:
         tried = 2 * np.nan_to_num(contracted(inverse, open_by, J)[0])
         d, holds = contracted(inverse, open_by, equations(c, tried)[1])
         holds &= (d <= tried).all(axis=0)  # so that J was that of the whole ball
-        return TaylorModel(np.where(holds, c, 0.0), np.where(holds, d, np.nan))
+        nowhere = np.isnan([start, *ends]).any(axis=1).all(axis=0)  # neither in the middle nor at an end
+        unknown = np.where(nowhere, np.inf, np.nan)
+        return TaylorModel(np.where(holds, c, 0.0), np.where(holds, d, unknown))
 
 
 class BoxLine:

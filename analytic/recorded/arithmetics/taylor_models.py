@@ -219,7 +219,7 @@ def _less(x: TaylorModel, y: TaylorModel) -> TaylorModel:
 
 def _less_equal(x: TaylorModel, y: TaylorModel) -> TaylorModel:
     if x is y:
-        return _truth(np.isfinite(x.rest), np.isnan(x.rest), len(x.c))
+        return _truth(np.isfinite(x.rest), np.isinf(x.rest), len(x.c))
     low, high = (y - x).range
     return _truth(low >= 0, high < 0, len(x.c))
 

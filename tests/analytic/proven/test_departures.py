@@ -41,14 +41,12 @@ def test_departures_fall_with_the_square_of_the_width() -> None:
     assert wide / narrow == pytest.approx(4, rel=0.02)  # terms of the third order, of a hundredth of the second
 
 
-@pytest.mark.xfail(strict=True, reason="of a box with and without a press force each has its own chord")
 @pytest.mark.parametrize("name", ["crank_press", "servo_press"])
 def test_departures_hold_over_jumps(name: str) -> None:
     scene = scenes.load(name)
     assert all(off <= BY_DOUBLES for off in departed(scene, turn(scene)).values())
 
 
-@pytest.mark.xfail(strict=True, reason="a box over two pieces of a law has but one of them")
 def test_departures_hold_over_two_pieces_of_a_law() -> None:
     scene = scene_files.load("turning_law")
     assert all(off <= BY_DOUBLES for off in departed(scene, turn(scene, 40)).values())

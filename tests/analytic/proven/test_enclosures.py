@@ -10,9 +10,9 @@ import pytest
 import analytic
 import scenes
 from analytic.proven.boxes import Boxes
-from analytic.proven.enclosures import Enclosure
 from analytic.recorded.arithmetics.taylor_models import TaylorModel
 from scenes import InputError, Scene
+from scenes.model.enclosures import Enclosure
 from scenes.model.motion import UNITS, Samples, quantity
 from tests import scene_files
 
@@ -241,7 +241,6 @@ def test_names_that_are_not_known() -> None:
         analytic.departures(scene, np.array([0.0, 1.0]), {"B.q"})
 
 
-@pytest.mark.xfail(strict=True, reason="only finite numbers are asked for")
 @pytest.mark.parametrize("accuracy", [0.0, -1e-6])
 def test_an_accuracy_that_is_none(accuracy: float) -> None:
     with pytest.raises(InputError, match="accuracy"):

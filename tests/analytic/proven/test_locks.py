@@ -36,7 +36,6 @@ def test_where_it_locks(case: str) -> None:
         exact(scene, Positions((scene.drive.start, angle + BESIDE)))
 
 
-@pytest.mark.xfail(strict=True, reason="boxes in which a larger group is not known count as failing, undivided")
 def test_where_a_larger_group_locks() -> None:
     scene = scene_files.load("jumps")
     low, high = analytic.enclose(scene).open_at or (0.0, 0.0)
