@@ -7,7 +7,7 @@ singular configuration, at an end of an interval of the drive's range in which i
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
-from math import remainder, tau
+from math import remainder, sqrt, tau
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -69,8 +69,12 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
         off = [np.ravel(z[point])[0] - complex(*xy) for point, xy in scene.sketch.points.items()]
         meant = all(np.all(np.abs(z[point] - own[point]) <= SAME * way.arm) for point in scene.moving_points)
         motion = prepared(scene, way, channels, way.tracks)(at, np.zeros(1))
-        made.append(Assembly(motion, meant, float(np.sqrt(np.mean(np.abs(off) ** 2))), circuit, meets))
-    return Assemblies(float(at[0]), sorted(made, key=lambda one: one.off_sketch), complete)
+        away = float(np.linalg.norm(off)) / sqrt(len(off) or 1)
+        made.append(Assembly(motion, meant, away, circuit, meets))
+    made.sort(key=lambda one: one.off_sketch)
+    numbers = [*dict.fromkeys(one.circuit for one in made)]
+    named = (one if one.circuit is None else replace(one, circuit=numbers.index(one.circuit)) for one in made)
+    return Assemblies(float(at[0]), [*named], complete)
 
 
 def _at(scene: Scene, way: Linkage, at: Samples) -> Kinematics:
@@ -117,8 +121,7 @@ def _circuits(scene: Scene, whole: Linkage, ways: Sequence[Linkage], at: float) 
         places = [at + turn for turn in whole_turns]
         own = next(n for n in count if parts[n][0] == branches and any(_holds(parts[n][1], x) for x in places))
         found.append((int(circuit[own]), _ends(parts[own][1])))
-    numbers = {number: k for k, number in enumerate(dict.fromkeys(number for number, _ in found))}
-    return [(numbers[number], ends) for number, ends in found]
+    return found
 
 
 def _ends(interval: Interval) -> list[End]:

@@ -162,7 +162,7 @@ class Boxes:
         return given
 
     def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
-        """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near each."""
+        """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""
         tracks, found = [self.core.linkage.tracks], dict[str, TaylorModel]()
         if not self.core.linkage.tracks:
             return found
