@@ -49,7 +49,9 @@ def bound(study: Judgement, row: Enclosure) -> str:
 def sentences(study: Judgement) -> Iterator[str]:
     """Yield what is proven, or where it is not, how many limits of the scene are met, and those that are not."""
     scene, proof = study.scene, study.proof
-    over = f"over the whole {'turn' if turns_fully(scene) else 'range of the drive'}"
+    lasting = any(load.table is not None and load.table.over != "displacement" for load in scene.loads)
+    cycle = "turn" if turns_fully(scene) else "range of the drive"
+    over = f"over the {'first' if lasting and scene.drive.repeats else 'whole'} {cycle}"
     if proof.open_at is not None:
         what = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
         yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}."
