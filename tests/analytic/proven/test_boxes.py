@@ -102,7 +102,7 @@ def assert_none_escapes(scene: Scene, count: int, seed: int) -> bool:
 
 
 def test_no_value_of_random_linkages_escapes(tmp_path: Path) -> None:
-    assert sum(assert_none_escapes(scene, 4, seed) for seed, scene in enumerate(drawn(tmp_path, 8))) >= 6
+    assert sum(assert_none_escapes(scene, 4, seed) for seed, scene in enumerate(drawn(tmp_path, 4))) >= 3
 
 
 @pytest.mark.study

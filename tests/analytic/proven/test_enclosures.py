@@ -1,7 +1,9 @@
 """Extremes between the samples too: by hand, by the core, at the ends of jumps, and where a linkage locks."""
 
 from collections.abc import Mapping
+from functools import cache
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,18 +13,30 @@ import analytic
 import scenes
 from analytic.proven.boxes import Boxes
 from analytic.recorded.arithmetics.taylor_models import TaylorModel
-from scenes import InputError, Scene
+from scenes import Failure, InputError, Scene
+from scenes.drive import ConstantSpeed
 from scenes.model.enclosures import Enclosure
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.model.motion import UNITS, Positions, Samples, quantity
 from tests import scene_files
+from tests.agreement import exact
+from tests.clean_scenes import clean_scenes
 
-from .true_values import BY_DOUBLES, motion_at, peaks, turn, with_magnitudes
+from .true_values import ALL_ZERO, BY_50_DIGITS, BY_DOUBLES, motion_at, peaks, turn, with_magnitudes
 
 Bounds = Mapping[tuple[str, str], Enclosure]
 SAMPLES = 1441  # of a range
-ROUNDING = 1e-11  # of a unit's peak: Taylor models' own roundings, a hundred times those of the core
-# Friction of the first is not bounded everywhere, of the second a table's argument.
-NOT_BOUNDED = {"double_toggle_clamp_friction"}
+STILL = 1e-8  # of a unit's peak: what changes by less, as what is zero but for roundings, is known to its size
+LOOSE = {
+    "damped_shaker": "a transmission angle has a kink where it is right",
+    "double_toggle_clamp": "a bound of a force is ten times as far",
+    "double_toggle_clamp_scheme4": "a bound of a force is ten times as far",
+    "double_toggle_clamp_friction": "some forces are not bounded",
+    "crank_press_friction": "beside where friction turns back both senses are bounds",
+    "self_locking_toggle": "beside where friction turns back both senses are bounds",
+    "toggle_press_friction": "beside where friction turns back both senses are bounds",
+    "four_stroke_engine": "at the start of a periodic table its period is not decided",
+    "garage_door": "the angle of a spring that twists is not known where it is half a turn",
+}
 FEW = ("toggle_press", "crank_press", "four_bar")
 
 
@@ -33,52 +47,105 @@ def enclosed(scene: Scene, accuracy: float = 1e-6, *names: str) -> Bounds:
     return {(row.channel, row.extreme): row for row in found.rows}
 
 
-def assert_holds(scene: Scene, bounds: Bounds, accuracy: float) -> None:
-    """The core's samples lie within, it attains an extreme where it is said to be, and bounds are as near as asked."""
+@cache
+def shipped(name: str) -> tuple[Bounds, Mapping[str, Samples]]:
+    """The extremes of a shipped scene, and the core's samples."""
+    scene = scenes.load(name)
     samples = with_magnitudes(scene, motion_at(scene, turn(scene, SAMPLES - 1)))
+    bounds = enclosed(scene)
+    return bounds, {of: values for of, values in samples.items() if quantity(of) != "angle" and (of, "least") in bounds}
+
+
+def assert_holds(name: str) -> None:
+    """The core's samples lie within the bounds; an angle counts modulo a turn."""
+    bounds, samples = shipped(name)
     peak = peaks(samples)
-    for name, values in samples.items():
-        if quantity(name) == "angle" or (name, "least") not in bounds:  # an angle counts modulo a turn
-            continue
-        least, most = bounds[name, "least"], bounds[name, "most"]
-        slack = BY_DOUBLES * peak[UNITS[quantity(name)]]
-        assert values.min() >= least.low - slack, name
-        assert values.max() <= most.high + slack, name
-        span = most.high - least.low
-        for one, sign in ((least, -1), (most, 1)):
-            assert one.low <= one.high, name
-            # The range of what is zero but for round-off is not asked for, see `test_what_is_zero`.
-            assert one.high - one.low <= max(accuracy * span, 1e-6 * slack / BY_DOUBLES), name
-            near = sign * values
-            best = int(near.argmax())
-            assert one.position_low <= one.position_high, name
-            if span > 1e-6 * slack / BY_DOUBLES:
-                assert sign * (one.low + one.high) / 2 - near[best] >= -accuracy * span - slack, name
+    assert len(samples) > 5
+    for channel, values in samples.items():
+        slack = BY_DOUBLES * max(peak[UNITS[quantity(channel)]], ALL_ZERO)
+        least, most = bounds[channel, "least"], bounds[channel, "most"]
+        assert values.min() >= least.low - slack, channel
+        assert values.max() <= most.high + slack, channel
+        for one in (least, most):
+            assert one.low <= one.high, channel
+            assert one.position_low <= one.position_high, channel
+
+
+def assert_near(name: str, accuracy: float = 1e-6) -> None:
+    """The bounds are as near as asked, and no further from what the core attains."""
+    bounds, samples = shipped(name)
+    peak = peaks(samples)
+    for channel, values in samples.items():
+        of_unit = max(peak[UNITS[quantity(channel)]], ALL_ZERO)
+        least, most = bounds[channel, "least"], bounds[channel, "most"]
+        if np.ptp(values) > max(STILL * of_unit, ALL_ZERO):
+            span = most.high - least.low
+            assert max(least.high - least.low, most.high - most.low) <= accuracy * span, channel
+            assert most.high >= values.max() - BY_DOUBLES * of_unit, channel
+            # Between samples of a quarter of a degree a peak rises by a square of that, of a sharp one some times more.
+            assert most.low - values.max() <= 0.01 * span, channel
+            assert values.min() - least.high <= 0.01 * span, channel
 
 
 @pytest.mark.parametrize("name", FEW)
 def test_what_is_shipped_is_enclosed(name: str) -> None:
-    scene = scenes.load(name)
-    assert_holds(scene, enclosed(scene), 1e-6)
+    assert_holds(name)
+    assert_near(name)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted({*scenes.shipped()} - NOT_BOUNDED - {*FEW}))
+@pytest.mark.parametrize("name", sorted({*scenes.shipped()} - {*FEW}))
 def test_all_that_is_shipped_is_enclosed(name: str) -> None:
-    scene = scenes.load(name)
-    assert_holds(scene, enclosed(scene), 1e-6)
+    assert_holds(name)
+
+
+def near(name: str) -> Any:
+    why = LOOSE.get(name)
+    return pytest.param(name, marks=pytest.mark.xfail(strict=True, reason=why)) if why else name
 
 
 @pytest.mark.slow
-def test_what_is_not_bounded_has_no_finite_bound_that_is_wrong() -> None:
-    """Some of its forces are not bounded; of no channel is a value outside."""
-    scene = scenes.load("double_toggle_clamp_friction")
-    bounds = enclosed(scene)
-    samples = with_magnitudes(scene, motion_at(scene, turn(scene, SAMPLES - 1)))
-    for name, values in samples.items():
-        if quantity(name) != "angle":
-            assert bounds[name, "least"].low <= values.min() + 1e-9 * np.abs(values).max()
-            assert bounds[name, "most"].high >= values.max() - 1e-9 * np.abs(values).max()
+@pytest.mark.parametrize("name", [near(name) for name in sorted({*scenes.shipped()} - {*FEW})])
+def test_all_that_is_shipped_is_enclosed_as_nearly_as_asked(name: str) -> None:
+    assert_near(name)
+
+
+def peaks_by_50_digits(scene: Scene) -> bool:
+    """Whether 50 digits have a motion where extremes are; all their values lie within the extremes."""
+    try:
+        found = analytic.enclose(scene)
+        assert isinstance(scene.drive, ConstantSpeed)
+        if not found.rows:
+            return False
+        places = np.unique([(one.position_low + one.position_high) / 2 for one in found.rows])[::3]
+        places = places[np.isfinite(places)][:: int(np.sign(scene.drive.speed))]
+        motion = exact(scene, Positions(tuple(places.tolist())))
+    except Failure:
+        return False
+    samples = with_magnitudes(scene, motion)
+    peak = peaks(samples)
+    for one in found.rows:
+        if one.channel in samples and quantity(one.channel) != "angle":
+            values = samples[one.channel]
+            slack = BY_50_DIGITS * max(peak[UNITS[quantity(one.channel)]], ALL_ZERO) + 2.0**-52 * np.abs(values).max()
+            inside = values.min() >= one.low - slack if one.extreme == "least" else values.max() <= one.high + slack
+            assert inside, f"{scene.name}: {one}"
+    return True
+
+
+def drawn_at_constant_speed(folder: Path, count: int) -> list[Scene]:
+    """Those of plain linkages, all of which are shown to move."""
+    return [scene for scene in clean_scenes(folder, count) if isinstance(scene.drive, ConstantSpeed)]
+
+
+@pytest.mark.slow
+def test_no_peak_of_random_linkages_is_beyond(tmp_path: Path) -> None:
+    assert sum(map(peaks_by_50_digits, drawn_at_constant_speed(tmp_path, 16))) >= 5
+
+
+@pytest.mark.study
+def test_no_peak_of_many_random_linkages_is_beyond(tmp_path: Path) -> None:
+    assert sum(map(peaks_by_50_digits, drawn_at_constant_speed(tmp_path, 200))) >= 60
 
 
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
