@@ -90,7 +90,9 @@ class Boxes:
         if angles and rows.keys() >= {*angles}:
             rows[TRANSMISSION] = reduce(partial(make, "minimum"), [rows[angle] for angle in angles])
         self.names = [name for name in rows if names is None or name in names]
-        self.kinds: Numbers = np.unique([UNITS[quantity(name)] for name in self.names], return_inverse=True)[1]
+        units = [UNITS[quantity(name)] for name in self.names]
+        self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
+        self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
         self.numbers: dict[str, TaylorModel] = {}
         for path, number in scene.numbers.items():
             known = self.numbers[path] = point(number.value, self.like, LAST_PLACE * abs(number.value))

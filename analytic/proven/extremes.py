@@ -20,7 +20,7 @@ from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_
 AT_ONCE = 256  # boxes, which take about as long as a single one
 FEWEST, MOST = 4, 64  # parts of a box
 LEAST = 2.0**-44  # of the whole way: no box is divided further
-TOO_MANY = 30_000  # boxes of a level: where so many are left, what they may hold is not known
+TOO_MANY = 6000  # boxes of a level: where so many are left, what they may hold is not known
 FLAT = 1e-9  # of the largest value of a row's kind: what changes by less is zero, or the same, but for round-off
 ROUGHLY = 1e-6  # of that value: how closely such a row is known, whose boxes all hold its extremes
 DECIDED = 8  # rests of a single position, as most are: what doubles can decide
@@ -99,6 +99,7 @@ def extremes(
     models: Models,
     boxes: tuple[Samples, Samples],
     kinds: Numbers,
+    arms: Samples,
     accuracy: float,
 ) -> Extremes:
     """Enclose the extremes of rows, and find where one of the conditions, which are to be positive, may not hold.
@@ -107,7 +108,8 @@ def extremes(
         models: of the rows and, after them, of the conditions, over boxes by their ends, shape (n,); and which box each
             is of, where several are of one that differ in what is assumed.
         boxes: the ends of boxes with all the way, shape (n,) each.
-        kinds: of which kind each row is, shape (rows,); rows of one kind have one unit.
+        kinds: of which kind each row is, shape (rows,); rows of one kind have one unit, once they are divided by
+        arms: of moments, that they are forces at, shape (rows,); else 1.
         accuracy: how far the bounds may be apart, of the row's range.
     """
     low, high = boxes
@@ -119,7 +121,7 @@ def extremes(
     while True:
         level = _Boxes.of(models(low, high), low, high, rows)
         attained = np.maximum(attained, level.attained.max(axis=-1))
-        enough = attained + np.maximum(_tolerance(attained, kinds, accuracy), rounding)
+        enough = attained + np.maximum(arms * _tolerance(attained / arms, kinds, accuracy), rounding)
         wanted = (level.most > enough[..., np.newaxis]).any(axis=(0, 1)) | level.doubtful
         wanted &= ~level.fails & (level.high - level.low > LEAST * way)
         divided = np.isin(level.low, level.low[wanted])  # with all that is assumed of a box
