@@ -29,7 +29,7 @@ Call: TypeAlias = Callable[[Any], object]
 
 refused = partial(scene_files.refused, most=249)
 RIGHT: dict[str, Any] = {"scene": PRESS, "changes": MANY, "numbers": ROD, "position": [0.5], "channels": {"P5.y"}}
-RIGHT |= {"reductions": [analytic.Extremes("P5.y", 2)]}
+RIGHT |= {"reductions": [analytic.Extremes("P5.y", 2)], "edges": [0.0, 1.0]}
 TAKEN = {name: signature(getattr(analytic, name)).parameters.keys() & RIGHT.keys() for name in analytic.__all__}
 
 

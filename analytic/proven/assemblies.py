@@ -11,9 +11,9 @@ from math import remainder, sqrt, tau
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from scenes import Scene
+from scenes.arguments import finite_numbers, scene_of
 from scenes.model.enclosures import Assemblies, Assembly
 from scenes.model.motion import Samples, kinematic_channels
 
@@ -44,7 +44,7 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
     Raises:
         Failure: the linkage does not decompose, or a larger group does not close near the sketch.
     """
-    at = np.array([scene.sketch.drive if position is None else position])
+    at = finite_numbers("position", scene_of(scene).sketch.drive if position is None else position).reshape(1)
     whole, complete = decompose(scene), True
     ways = [replace(whole, groups=())]
     for group in whole.groups:
@@ -95,6 +95,8 @@ def _closed(scene: Scene, before: Linkage, group: Group, at: Samples) -> tuple[l
 
 def _circuits(scene: Scene, whole: Linkage, ways: Sequence[Linkage], at: float) -> list[tuple[int, list[End]]]:
     """By assembly of dyads, the number of its circuit, and where it meets others."""
+    from scipy.sparse.csgraph import connected_components  # late: slow to import, and few runs need it
+
     groups, turns = whole.groups, scene.driven_slide is None
     parts: list[tuple[tuple[Any, ...], Interval]] = []
     for branches in product((1, -1), repeat=len(groups)):

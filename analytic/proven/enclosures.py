@@ -37,6 +37,7 @@ def enclose(
     """
     numbers = scene_of(scene).numbers
     known_names("off", off or {}, numbers)
+    finite_numbers("off", [*(off or {}).values()])
     if not finite_numbers("accuracy", accuracy) > 0:
         refuse("accuracy", "a number above zero", accuracy)
     boxes = Boxes(scene, names, off or {})
@@ -59,8 +60,15 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
 
     Returns:
         By name, shape (n,); NaN where nothing is known.
+
+    Raises:
+        Failure: as of `solver`.
+        InputError: no scene, no such name, or places that are none, or do not increase.
     """
-    boxes = Boxes(scene, names, {})
+    edges = finite_numbers("edges", edges)
+    if edges.ndim != 1 or not (np.diff(edges) > 0).all() or not edges[1:].size:
+        refuse("edges", "two places or more, increasing", edges)
+    boxes = Boxes(scene_of(scene), names, {})
     ends = np.union1d(edges, boxes.ways.edges[(boxes.ways.edges > edges[0]) & (boxes.ways.edges < edges[-1])])
     models, own = boxes(ends[:-1], ends[1:])
     low, high = models.range

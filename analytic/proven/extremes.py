@@ -115,7 +115,8 @@ def extremes(
     low, high = boxes
     way, rows = high.max() - low.min(), len(kinds)
     rest = models(low, low)[0].rest[:rows]
-    rounding = DECIDED * np.median(np.where(np.isnan(rest), 0.0, rest), axis=-1)
+    # NumPy's median loads the package of masked arrays.
+    rounding = DECIDED * np.sort(np.where(np.isnan(rest), 0.0, rest), axis=-1)[:, rest.shape[-1] // 2]
     attained = np.full((2, rows), -np.inf)
     done: list[_Boxes] = []
     while True:

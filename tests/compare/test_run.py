@@ -33,7 +33,7 @@ def summary_of(folder: Path) -> Any:
 
 def test_the_files_of_the_main_job(results: Path) -> None:
     motions = {f"motion.{engine}.csv" for engine in ("analytic", "exudyn", "pymunk")}
-    others = {"report.html", "summary.json", "errors.csv", "peaks.csv", "speed.csv"}
+    others = {"report.html", "summary.json", "enclosures.csv", "errors.csv", "peaks.csv", "speed.csv"}
     assert {path.name for path in results.iterdir()} == motions | others
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Failure, InputError, Sampling, Scene, Status, numbers_in
+from scenes.file.changes import at_path
 from scenes.model.enclosures import Enclosure
 from scenes.model.motion import Samples
 
@@ -157,10 +158,11 @@ class MonteCarlo:
     @cached_property
     def enclosed(self) -> Mapping[str, Enclosure]:
         """By pin, its largest force over all machines whose numbers are off by no more than they may."""
-        numbers, varied = self.scene.numbers, self.scene.variations
-        off = {v.path: v.plus_minus * self.scene.size(numbers[v.path]) for v in varied}
-        forces = frozenset(f"{pin.channel}.force" for pin in self.scene.pins if self.scene.has_masses)
-        found = registry.enclosures(self.scene, forces, off).rows if forces else ()
+        scene = self.scene
+        keys = {variation: at_path(scene, variation.path) for variation in scene.variations}
+        off = {key: v.plus_minus * scene.size(scene.numbers[key]) for v, key in keys.items()}
+        forces = frozenset(f"{pin.channel}.force" for pin in scene.pins if scene.has_masses)
+        found = registry.enclosures(scene, forces, off).rows if forces else ()
         return {row.channel.rpartition(".")[0]: row for row in found if row.extreme == "most"}
 
     @cached_property

@@ -56,7 +56,7 @@ def sentences(study: Judgement) -> Iterator[str]:
         what = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
         yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}."
     else:
-        proofs = ["it assembles on one branch"]
+        proofs = ["it assembles"]
         forces = [row for row in proof.rows if row.extreme == "most" and row.channel.endswith(".force")]
         forces = [row for row in forces if row.channel in magnitudes(scene) and not isinf(row.high)]
         if forces:
@@ -65,8 +65,8 @@ def sentences(study: Judgement) -> Iterator[str]:
             proofs.append(f"no pin carries more than {bound(study, largest)} ({joint} {where})")
         for row in proof.rows:
             if row[:2] == (TRANSMISSION, "least"):
-                proofs.append(f"no transmission angle is below {bound(study, row)} ({place(scene, row[4:])})")
-        yield f"Proven {over}, between the samples too: {', '.join(proofs)}."
+                proofs.append(f"no transmission angle is below {bound(study, row)}")
+        yield f"Proven {over}: {', '.join(proofs)}."
     open_limits = [limit.text for limit in study.limits if limit.outcome != MET]
     if study.limits:
         met = f"{len(study.limits) - len(open_limits)} of {len(study.limits)} limits are met at every position"

@@ -63,6 +63,7 @@ def test_the_linear_model_is_doubted_where_its_standard_deviation_misleads() -> 
         study = SimpleNamespace(
             spreads=[of(5 + X + a * X**2, 5 + X, {"x": float(X.std())})],
             count=10_000,
+            scene=SimpleNamespace(limits={}),
             judged=SimpleNamespace(measurements=[]),
         )
         (sentence,) = verdicts(study)  # type: ignore[arg-type]
