@@ -91,7 +91,8 @@ class Boxes:
             rows[TRANSMISSION] = reduce(partial(make, "minimum"), [rows[angle] for angle in angles])
         self.names = [name for name in rows if names is None or name in names]
         units = [UNITS[quantity(name)] for name in self.names]
-        self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
+        kinds = [unit.partition("*")[0] for unit in units]
+        self.kinds: Numbers = np.array([kinds.index(kind) for kind in kinds], np.intp)
         self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
         self.numbers: dict[str, TaylorModel] = {}
         for path, number in scene.numbers.items():

@@ -120,16 +120,18 @@ def extremes(
     attained = np.full((2, rows), -np.inf)
     done: list[_Boxes] = []
     while True:
-        level = _Boxes.of(models(low, high), low, high, rows)
+        found = models(low, high)
+        level, own = _Boxes.of(found, low, high, rows), found[1]
         attained = np.maximum(attained, level.attained.max(axis=-1))
         enough = attained + np.maximum(arms * _tolerance(attained / arms, kinds, accuracy), rounding)
         wanted = (level.most > enough[..., np.newaxis]).any(axis=(0, 1)) | level.doubtful
         wanted &= ~level.fails & (level.high - level.low > LEAST * way)
-        divided = np.isin(level.low, level.low[wanted])  # with all that is assumed of a box
-        low, high = np.unique(level.low[divided]), np.unique(level.high[divided])
+        divided = np.zeros(len(low), np.bool_)
+        divided[own[wanted]] = True  # with all that is assumed of a box
+        low, high = low[divided], high[divided]
         if not len(low) or FEWEST * len(low) > TOO_MANY:
             return _enclosed(_Boxes.joined([*done, level]), attained, LEAST * way)
-        done.append(level.picked(~divided))
+        done.append(level.picked(~divided[own]))
         parts = int(np.clip(AT_ONCE // len(low), FEWEST, MOST))
         ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
         ends[-1] = high
