@@ -125,7 +125,8 @@ class Solver:
 
     def _by_formulas(self, driven: Driven, time: Samples) -> dict[str, Samples]:
         """The channels by the formulas themselves, block by block."""
-        motion_at = self.motion_at or partial(kinematics, rates=self.rates)
+        rates = any(quantity(channel) not in STILL for channel in self.known)
+        motion_at = self.motion_at or partial(kinematics, rates=rates)
         scene, linkage, position = self.scene, self.linkage, driven.position
         kinds = position.dtype, np.result_type(position.dtype, np.complex64)
         rows = {names: np.empty(len(position), kinds[len(names) - 1]) for names in self.channels}
@@ -177,11 +178,6 @@ class Solver:
         """The channels wanted, alone or as a vector's two, and what they are taken from."""
         every, wanted = all_channels(self.scene, self.linkage.groups), self.request.channels
         return {names: take for names, take in every if wanted is None or not wanted.isdisjoint(names)}
-
-    @cached_property
-    def rates(self) -> bool:
-        """Whether any channel wanted needs velocities or accelerations."""
-        return any(quantity(channel) not in STILL for channel in self.known)
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields alone: what follows from them has functions that no other process can be sent."""

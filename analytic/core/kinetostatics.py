@@ -218,7 +218,7 @@ class Balance(Loading):
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
         if self.alone is not None:
-            return resultant(self.alone.get(body, ()), self.k.z[foot])
+            return resultant(self.alone.get(body, ()), self.k.z[foot], samples(0j), samples(0.0))
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * (rigid.com - rigid.local[foot])
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])
@@ -226,10 +226,8 @@ class Balance(Loading):
         if self.scene.gravity is not None:
             weight = samples(rigid.mass * as_complex(self.scene.gravity))
             force, moment = force + weight, moment + cross(r, weight)
-        for acting in (*self.outside.get(body, ()), *self.at_pins(body), *self.slid_on.get(body, ())):
-            force = force + acting.force
-            moment = moment + cross(acting.at - k.z[foot], acting.force) + acting.moment
-        return force, moment
+        acting = (*self.outside.get(body, ()), *self.at_pins(body), *self.slid_on.get(body, ()))
+        return resultant(acting, k.z[foot], force, moment)
 
     def at_pins(self, body: str) -> list[ActingForce]:
         """The pull at the pins that the body carries of the groups that are balanced, which is kept."""
@@ -242,9 +240,8 @@ class Balance(Loading):
         return pulls
 
 
-def resultant(acting: Iterable[ActingForce], foot: Vectors) -> tuple[Vectors, Samples]:
-    """The sum of forces, and of their moments about a foot."""
-    force, moment = samples(0j), samples(0.0)
+def resultant(acting: Iterable[ActingForce], foot: Vectors, force: Vectors, moment: Samples) -> tuple[Vectors, Samples]:
+    """The sum of forces, and of their moments about a foot, from one of each on."""
     for one in acting:
         force = force + one.force
         moment = moment + cross(one.at - foot, one.force) + one.moment
