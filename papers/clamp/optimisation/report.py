@@ -111,11 +111,10 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> Figure
     figure.update_yaxes(title="M_P at α = 2.5° [-]", panel=1)
     figure.update_yaxes(title="L_sum [mm]", panel=2)
     figure.update_xaxes(title="R_S [-]", panel=2)
-    printed = {"yref": "y", "y0": float(LARGEST_FORCE_RATIO), "y1": float(LARGEST_FORCE_RATIO)}
-    across = {"type": "line", "line": BOUND, "xref": "x domain", "x0": 0, "x1": 1}
-    place = {"xref": "x domain", "x": 0.5, "xanchor": "center", "y": printed["y0"], "yanchor": "bottom"}
-    figure.note("largest M_P in print", yref="y", **place)
-    return figure.update_layout(layout(760), margin={"t": 110}, shapes=[across | printed])
+    M_P, across = float(LARGEST_FORCE_RATIO), "x domain"
+    ends: dict[str, Any] = {"xref": across, "x0": 0, "x1": 1, "yref": "y", "y0": M_P, "y1": M_P}
+    figure.note("largest M_P in print", yref="y", xref=across, x=0.5, xanchor="center", y=M_P, yanchor="bottom")
+    return figure.update_layout(layout(760), margin={"t": 110}, shapes=[{"type": "line", "line": BOUND} | ends])
 
 
 def _draw(figure: Figure, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:
