@@ -34,7 +34,7 @@ def axis(scene: Scene) -> DriveAxis:
         return DriveAxis("time", unit, "time", factor)
     if scene.driven_slide is None:
         return DriveAxis(position_name(scene), "deg", scene.drive_channel, 180 / pi)
-    unit, size = scene.length_unit
+    unit, size = scene.units["length"]
     return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size)
 
 

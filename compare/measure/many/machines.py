@@ -211,7 +211,7 @@ def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Sam
     through, along, unit = np.array(slide.through), np.array(slide.along), np.eye(2)[int(axis)]
     place = curve.kind == "displacement"
     if key == "through":
-        return nothing - place * float(along @ unit) * scene.length_unit[1]
+        return nothing - place * float(along @ unit) * scene.units["length"][1]
     x, y = (motion[f"{curve.of}.{QUANTITIES[curve.kind]}{axis}"] for axis in "xy")
     turn = (unit - along * (along @ unit)) / slide.drawn
     return np.asarray(turn[0] * (x - place * through[0]) + turn[1] * (y - place * through[1]))
