@@ -34,7 +34,7 @@ class ConstantSpeed:
     end: Position | None  # None for a crank that turns for ever
 
     @property
-    def repeats(self) -> bool:
+    def periodic(self) -> bool:
         """Whether a cycle can follow the one before."""
         return self.end is None
 
@@ -80,12 +80,7 @@ class MotionLaw:
     body: str
     times: tuple[Time, ...] = field(metadata={"path": "law.*.0"})  # s, increasing, from zero
     positions: tuple[Position, ...] = field(metadata={"path": "law.*.1"})  # rad or m
-    periodic: bool
-
-    @property
-    def repeats(self) -> bool:
-        """Whether a cycle can follow the one before."""
-        return self.periodic
+    periodic: bool  # whether a cycle can follow the one before
 
     @property
     def start(self) -> float:

@@ -47,7 +47,7 @@ def position_name(scene: Scene) -> str:
 
 def turns_fully(scene: Scene) -> bool:
     """Whether a crank turns for ever at constant speed, so that a cycle is a turn."""
-    return scene.driven_slide is None and isinstance(scene.drive, ConstantSpeed) and scene.drive.repeats
+    return scene.driven_slide is None and isinstance(scene.drive, ConstantSpeed) and scene.drive.periodic
 
 
 def cycle_name(scene: Scene) -> str:

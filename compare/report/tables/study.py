@@ -143,12 +143,12 @@ def setup(study: Study) -> str:
 def _motion_of_the_drive(scene: Scene) -> str:
     drive = scene.drive
     if not isinstance(drive, ConstantSpeed):
-        return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.repeats}"
+        return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.periodic}"
     if scene.driven_slide is not None:
         unit, size = scene.units["length"]
         return f"at {drive.speed / size:g} {unit}/s from {drive.start / size:g} to {drive.after(1) / size:g} {unit}"
     rpm = f"at {drive.speed * 30 / pi:g} rpm"
-    return rpm if drive.repeats else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
+    return rpm if drive.periodic else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
 
 
 def scales(scene: Scene) -> str:
