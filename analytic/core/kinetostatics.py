@@ -186,13 +186,11 @@ class Balance(Loading):
                 self.hold(pin.on, pin.point, -on_body)
         for slide, N, M in zip(group.slides, guide_force, guide_moment, strict=True):
             self.reactions.guide[slide.slider] = N, M
-            slider = self.scene.bodies[slide.slider]
-            assert slider.slide is not None
-            along = self.k.u[slide.on] * as_complex(slider.slide.along)
+            along = self.k.u[slide.on] * as_complex(self.scene.slides[slide.slider].along)
             reaction = N * (1j * along)
             if group.drive is not None and slide.slider == self.scene.drive.body:
                 reaction = reaction + effort[0] * along
-            at = self.k.z[slider.points[0]]
+            at = self.k.z[self.scene.bodies[slide.slider].points[0]]
             for body, sign in ((slide.on, -1), (slide.slider, 1)):
                 self.pass_on(group, body, ActingForce(sign * reaction, at, sign * M))
 
