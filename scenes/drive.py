@@ -17,11 +17,9 @@ from pydantic import Field, Strict
 from . import limits
 from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
-from .laws import LAWS, Piece
-from .laws import Driven as Driven
-from .laws import HarmonicLaw as HarmonicLaw
-from .laws import Samples as Samples
-from .laws import SegmentedLaw as SegmentedLaw
+from .laws import LAWS, Driven, HarmonicLaw, Piece, Samples, SegmentedLaw
+
+__all__ = ["ConstantSpeed", "Drive", "DriveTable", "Driven", "HarmonicLaw", "MotionLaw", "Samples", "SegmentedLaw"]
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Discriminator, Field, Strict, Tag
+from pydantic import Discriminator, Field, Tag
 
 from .. import limits
 from ..bodies import GROUND, Body, Slide
 from ..errors import InputError
-from ..fields import Coordinate, Direction, FileTable, Finite, ForceVector, Known, Length, NewtonMetres, Newtons
+from ..fields import Coordinate, Direction, FileTable, ForceVector, Known, Length, NewtonMetres, Newtons, Pair
 from .tables import COLUMN, LoadCurve, Over
 
 Frame: TypeAlias = Literal["ground", "body"]
@@ -134,9 +134,6 @@ PlainLoad: TypeAlias = Force | PressForce | ForceTable  # what every engine know
 TabledLoad: TypeAlias = ForceTable | GuideForce | TableForce | Moment  # whose size may be by a table
 Load: TypeAlias = Force | PressForce | TabledLoad
 
-Row = Annotated[tuple[Finite, Finite], Strict(False)]
-KEYS = ("force", "moment", "table")  # of which a load has one
-
 
 def _shape(force: object) -> str:
     return "number" if isinstance(force, int | float) else "vector"
@@ -153,7 +150,7 @@ class LoadTable(FileTable):
     ) = Field(None, description="The force: [x, y]; or a number along the guide of a body that slides.")
     last: Length | None = Field(None, description="Only in this last part of the stroke that closes against the force.")
     moment: NewtonMetres | None = Field(None, description="Instead of `force`: a moment, counter-clockwise positive.")
-    table: Annotated[list[Row], Field(min_length=2, max_length=limits.ROWS)] | None = Field(
+    table: Annotated[list[Pair], Field(min_length=2, max_length=limits.ROWS)] | None = Field(
         None,
         description="Instead: [argument, value], a force along the body's guide or `along`, or without `at` a moment.",
     )
@@ -166,7 +163,7 @@ class LoadTable(FileTable):
 
     def element(self, place: str, bodies: Mapping[str, Body]) -> Load:
         """The load, its numbers as they are, or InputError where the keys do not go together."""
-        given = [key for key in KEYS if getattr(self, key) is not None]
+        given = [key for key in ("force", "moment", "table") if getattr(self, key) is not None]
         if len(given) != 1:
             raise InputError(f"{place}: expected either 'force', 'moment' or 'table'")
         self._check_keys(place)
