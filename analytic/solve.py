@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields
 from functools import cache, cached_property, partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,8 +36,6 @@ from .way.windings import Winding, windings
 np.empty(31 << 17)
 RECORDED_FROM = 40_001  # positions, where recording, some ms, pays: the line takes half the formulas' time
 STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities that need no rates
-
-MotionAt: TypeAlias = Callable[[Scene, Linkage, Driven], Kinematics]
 
 
 def solve(
@@ -95,7 +93,7 @@ class Solver:
     stroke_ends: Mapping[str, float]  # by place in the file, m, where forces are wanted
     request: Request
     at_hand: tuple[Program, Line] | None = None  # the formulas as they are recorded already
-    motion_at: MotionAt | None = None  # another way to the kinematics
+    motion_at: Callable[[Scene, Linkage, Driven], Kinematics] | None = None  # another way to the kinematics
     windings: Mapping[str, Winding] = field(default_factory=dict)  # by input, where forces are wanted
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:

@@ -13,7 +13,7 @@ solutions meet. There it is jammed.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import reduce
 from operator import add
 from typing import Any
@@ -120,8 +120,7 @@ class Loads:
 
     def picked(self, rows: Any) -> "Loads":
         """Those at some of the samples, where all arrays have the shape (r,)."""
-        own = ("sense", "viscous", "share")
-        rubbing = [replace(one, **{name: getattr(one, name)[rows] for name in own}) for one in self.rubbing]
+        rubbing = [Rubbing(one.of, one.sense[rows], one.viscous[rows], one.share[rows]) for one in self.rubbing]
         return Loads(rubbing, [x[rows] for x in self.X0], [[s[rows] for s in row] for row in self.S])
 
     def stepped(self, w: Samples, factor: Any, steps: int, *, anywhere: bool = False) -> tuple[Samples, Any, Any]:
