@@ -11,25 +11,6 @@ from .solve import solve, solver
 from .way.change_points import check_way
 from .way.slider import inverse
 
-__all__ = [
-    "Extremes",
-    "Grid",
-    "Histogram",
-    "Integral",
-    "Machines",
-    "assemblies",
-    "check_way",
-    "departures",
-    "derivative_solver",
-    "derivatives",
-    "enclose",
-    "fast_solver",
-    "in_closed_form",
-    "inverse",
-    "many_solver",
-    "reduce_many",
-    "route",
-    "solve",
-    "solve_many",
-    "solver",
-]
+__all__ = ["Extremes", "Grid", "Histogram", "Integral", "Machines", "assemblies", "check_way", "departures"]
+__all__ += ["derivative_solver", "derivatives", "enclose", "fast_solver", "in_closed_form", "inverse", "many_solver"]
+__all__ += ["reduce_many", "route", "solve", "solve_many", "solver"]

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields
 from functools import cache, cached_property, partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,8 +36,6 @@ from .way.windings import Winding, windings
 np.empty(31 << 17)
 RECORDED_FROM = 40_001  # positions, where recording, some ms, pays: the line takes half the formulas' time
 STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities that need no rates
-
-MotionAt: TypeAlias = Callable[[Scene, Linkage, Driven], Kinematics]
 
 
 def solve(
@@ -95,7 +93,7 @@ class Solver:
     stroke_ends: Mapping[str, float]  # by place in the file, m, where forces are wanted
     request: Request
     at_hand: tuple[Program, Line] | None = None  # the formulas as they are recorded already
-    motion_at: MotionAt | None = None  # another way to the kinematics
+    motion_at: Callable[[Scene, Linkage, Driven], Kinematics] | None = None  # another way to the kinematics
     windings: Mapping[str, Winding] = field(default_factory=dict)  # by input, where forces are wanted
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
@@ -125,7 +123,8 @@ class Solver:
 
     def _by_formulas(self, driven: Driven, time: Samples) -> dict[str, Samples]:
         """The channels by the formulas themselves, block by block."""
-        motion_at = self.motion_at or partial(kinematics, rates=self.rates)
+        rates = any(quantity(channel) not in STILL for channel in self.known)
+        motion_at = self.motion_at or partial(kinematics, rates=rates)
         scene, linkage, position = self.scene, self.linkage, driven.position
         kinds = position.dtype, np.result_type(position.dtype, np.complex64)
         rows = {names: np.empty(len(position), kinds[len(names) - 1]) for names in self.channels}
@@ -177,11 +176,6 @@ class Solver:
         """The channels wanted, alone or as a vector's two, and what they are taken from."""
         every, wanted = all_channels(self.scene, self.linkage.groups), self.request.channels
         return {names: take for names, take in every if wanted is None or not wanted.isdisjoint(names)}
-
-    @cached_property
-    def rates(self) -> bool:
-        """Whether any channel wanted needs velocities or accelerations."""
-        return any(quantity(channel) not in STILL for channel in self.known)
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields alone: what follows from them has functions that no other process can be sent."""

@@ -13,7 +13,7 @@ with starting(__name__):
     from .clamp.formulas import Design
     from .clamp.optimisation import tables
     from .clamp.optimisation.recheck import ENGINES, rechecks
-    from .clamp.optimisation.report import FILES, DesignStudy, write
+    from .clamp.optimisation.report import FILES, write
     from .clamp.optimisation.study import AHEAD, AS_PRINTED, MAIN, MET, RATIOS, SIX, THREE, Effort, Point, study
 
 
@@ -32,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
         curve = {point.at: point.optimum.design for point in tables.of(points, MAIN)}
         checked = {**chosen, "curve_at_1_10": curve["R_S = 1.10"]}
         checks = list(rechecks(checked, ENGINES, lambda doing: show(f"checking {doing}")))
-        page = write(DesignStudy(points, checks, chosen, seconds), options.out) / "design.html"
+        page = write(points, checks, chosen, seconds, options.out) / "design.html"
     improved = tables.improved(points)
     for sentence in tables.findings(points):
         print(sentence)

@@ -17,11 +17,9 @@ from pydantic import Field, Strict
 from . import limits
 from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
-from .laws import LAWS, Piece
-from .laws import Driven as Driven
-from .laws import HarmonicLaw as HarmonicLaw
-from .laws import Samples as Samples
-from .laws import SegmentedLaw as SegmentedLaw
+from .laws import LAWS, Driven, HarmonicLaw, Piece, Samples, SegmentedLaw
+
+__all__ = ["ConstantSpeed", "Drive", "DriveTable", "Driven", "HarmonicLaw", "MotionLaw", "Samples", "SegmentedLaw"]
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class ConstantSpeed:
     end: Position | None  # None for a crank that turns for ever
 
     @property
-    def repeats(self) -> bool:
+    def periodic(self) -> bool:
         """Whether a cycle can follow the one before."""
         return self.end is None
 
@@ -80,12 +78,7 @@ class MotionLaw:
     body: str
     times: tuple[Time, ...] = field(metadata={"path": "law.*.0"})  # s, increasing, from zero
     positions: tuple[Position, ...] = field(metadata={"path": "law.*.1"})  # rad or m
-    periodic: bool
-
-    @property
-    def repeats(self) -> bool:
-        """Whether a cycle can follow the one before."""
-        return self.periodic
+    periodic: bool  # whether a cycle can follow the one before
 
     @property
     def start(self) -> float:

@@ -94,12 +94,7 @@ class SegmentedLaw:
     ends: tuple[Position | None, ...] = field(metadata={"path": "segments.*.to"})  # rad or m; None of a dwell
     durations: tuple[Duration, ...] = field(metadata={"path": "segments.*.within"})  # s
     laws: tuple[str | None, ...]  # of LAWS; None of a dwell
-    periodic: bool
-
-    @property
-    def repeats(self) -> bool:
-        """Whether a cycle can follow the one before."""
-        return self.periodic
+    periodic: bool  # whether a cycle can follow the one before
 
     @cached_property
     def boundaries(self) -> tuple[float, ...]:
@@ -174,7 +169,7 @@ class HarmonicLaw:
     amplitudes: tuple[Position, ...] = field(metadata={"path": "harmonics.*.0"})  # rad or m
     frequencies: tuple[Frequency, ...] = field(metadata={"path": "harmonics.*.1"})  # 1/s
     phases: tuple[Angle, ...] = field(metadata={"path": "harmonics.*.2"})  # rad
-    repeats = True
+    periodic = True
 
     @cached_property
     def multiples(self) -> tuple[int, ...]:

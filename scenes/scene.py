@@ -25,7 +25,6 @@ __all__ += ["ConstantSpeed", "Drive", "HarmonicLaw", "MotionLaw", "SegmentedLaw"
 __all__ += ["Force", "ForceTable", "GuideForce", "Load", "Moment", "PressForce", "TableForce"]
 __all__ += ["Friction", "GuideFriction", "PinFriction", "Spring", "TorsionSpring"]
 
-ELEMENTS = ("loads", "springs", "torsion_springs")  # the lists of what acts on the bodies
 SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 
 
@@ -172,7 +171,7 @@ class Scene:
     @property
     def elements(self) -> Iterator[tuple[str, Load | Spring | TorsionSpring]]:
         """What acts on the bodies besides their weight, each with its place in the file."""
-        for key in ELEMENTS:
+        for key in ("loads", "springs", "torsion_springs"):
             yield from ((f"{key}.{number}", element) for number, element in enumerate(getattr(self, key)))
 
     @cached_property
@@ -244,11 +243,6 @@ class Scene:
                 closing = closing_sense(load.force, slide)
                 loads[number] = replace(load, closing=closing) if np.ndim(closing) else load
         return replace(other, loads=tuple(loads))
-
-    @property
-    def length_unit(self) -> tuple[str, float]:
-        """The unit of length of the file: its name, and what it is in m."""
-        return self.units["length"]
 
     def length(self, metres: float, digits: int = 4) -> str:
         """A length in the unit of the file, as messages name it: `12.41 mm`."""

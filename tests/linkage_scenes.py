@@ -165,7 +165,7 @@ def by_formula(draw: st.DrawFn) -> Scene:
         return replace(scene, drive=drive)
     places = [low, *(low + draw(numbers(0, 1)) * (high - low) for _ in range(3)), high]
     periodic = draw(st.booleans())
-    turns = scene.driven_slide is None and scene.drive.repeats
+    turns = scene.driven_slide is None and scene.drive.periodic
     parts: list[tuple[float | None, float, str | None]] = [
         (to, draw(numbers(0.1, 1)), draw(st.sampled_from([*LAWS])))
         for to in (*places[1:], *((low + draw(st.sampled_from((0, 2 * pi))) * turns,) if periodic else ()))

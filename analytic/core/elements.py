@@ -90,8 +90,7 @@ def acts(element: Any, place: str, at: Loading) -> Acting:
 
 @acts.register
 def _force(load: Force | TableForce, _: str, at: Loading) -> Acting:
-    vector = load.force if isinstance(load, Force) else load.direction
-    force = samples(as_complex(vector)) if isinstance(load, Force) else as_complex(vector) * at.size(load)
+    force = samples(as_complex(load.force)) if isinstance(load, Force) else as_complex(load.direction) * at.size(load)
     yield load.body, ActingForce(force if load.frame == "ground" else at.k.u[load.body] * force, at.k.z[load.at])
 
 

@@ -79,8 +79,7 @@ def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> Number:
 
 def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
     """Place the first point at the origin, the second on x, every further one on the side where the sketch shows it."""
-    assert body.lengths is not None
-    lengths = body.lengths
+    lengths = body.lengths or {}
     first, second, *others = body.points
     at = sketched(scene) if others else {}
     local = {first: 0j, second: lengths[frozenset((first, second))] + 0j}

@@ -17,9 +17,8 @@ from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, sli
 from .groups.continuation import Track, follow
 from .groups.group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
 from .groups.newton_group import rates
-from .moving_legs import MovingLegs
 from .numbers import samples
-from .placing import Closure, Kinematics, RRRPosition
+from .placing import Closure, Kinematics, Placing, RRRPosition
 
 
 def kinematics(
@@ -49,7 +48,7 @@ def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Pl
     return Pass(scene, before, unit).solve().hung(group)
 
 
-class Pass(MovingLegs):
+class Pass(Placing):
     """One pass from the driver to the last group."""
 
     def solve(self) -> "Pass":

@@ -186,13 +186,11 @@ class Balance(Loading):
                 self.hold(pin.on, pin.point, -on_body)
         for slide, N, M in zip(group.slides, guide_force, guide_moment, strict=True):
             self.reactions.guide[slide.slider] = N, M
-            slider = self.scene.bodies[slide.slider]
-            assert slider.slide is not None
-            along = self.k.u[slide.on] * as_complex(slider.slide.along)
+            along = self.k.u[slide.on] * as_complex(self.scene.slides[slide.slider].along)
             reaction = N * (1j * along)
             if group.drive is not None and slide.slider == self.scene.drive.body:
                 reaction = reaction + effort[0] * along
-            at = self.k.z[slider.points[0]]
+            at = self.k.z[self.scene.bodies[slide.slider].points[0]]
             for body, sign in ((slide.on, -1), (slide.slider, 1)):
                 self.pass_on(group, body, ActingForce(sign * reaction, at, sign * M))
 
@@ -218,7 +216,7 @@ class Balance(Loading):
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
         if self.alone is not None:
-            return resultant(self.alone.get(body, ()), self.k.z[foot])
+            return resultant(self.alone.get(body, ()), self.k.z[foot], samples(0j), samples(0.0))
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * (rigid.com - rigid.local[foot])
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])
@@ -226,10 +224,8 @@ class Balance(Loading):
         if self.scene.gravity is not None:
             weight = samples(rigid.mass * as_complex(self.scene.gravity))
             force, moment = force + weight, moment + cross(r, weight)
-        for acting in (*self.outside.get(body, ()), *self.at_pins(body), *self.slid_on.get(body, ())):
-            force = force + acting.force
-            moment = moment + cross(acting.at - k.z[foot], acting.force) + acting.moment
-        return force, moment
+        acting = (*self.outside.get(body, ()), *self.at_pins(body), *self.slid_on.get(body, ()))
+        return resultant(acting, k.z[foot], force, moment)
 
     def at_pins(self, body: str) -> list[ActingForce]:
         """The pull at the pins that the body carries of the groups that are balanced, which is kept."""
@@ -242,9 +238,8 @@ class Balance(Loading):
         return pulls
 
 
-def resultant(acting: Iterable[ActingForce], foot: Vectors) -> tuple[Vectors, Samples]:
-    """The sum of forces, and of their moments about a foot."""
-    force, moment = samples(0j), samples(0.0)
+def resultant(acting: Iterable[ActingForce], foot: Vectors, force: Vectors, moment: Samples) -> tuple[Vectors, Samples]:
+    """The sum of forces, and of their moments about a foot, from one of each on."""
     for one in acting:
         force = force + one.force
         moment = moment + cross(one.at - foot, one.force) + one.moment

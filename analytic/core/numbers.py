@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 Number: TypeAlias = Any  # float, or what is recorded of one
 Vector: TypeAlias = Any  # complex, or what is recorded of one
-PLAIN = (float, int)
 
 
 def largest(*numbers: Number) -> Number:
@@ -43,4 +42,4 @@ def samples(number: Any) -> NDArray[Any]:
 
 
 def _plain(numbers: tuple[Number, ...]) -> bool:
-    return all(isinstance(number, PLAIN) for number in numbers)
+    return all(isinstance(number, float | int) for number in numbers)

@@ -19,7 +19,6 @@ from .dyads import dot
 from .elements import ActingForce, Given
 from .friction import Loads, Rubbing
 from .groups.group_equations import Group
-from .jamming import Rows
 from .kinetostatics import Balance, Reactions
 from .numbers import samples
 from .placing import Kinematics
@@ -156,7 +155,7 @@ class FrictionBalance(Balance):
             return np.broadcast_to(values, position.shape)
 
         every = [Rubbing(one.of, *map(whole, (one.sense, one.viscous, one.share))) for one in loads.rubbing]
-        rows = Rows(every, [*map(whole, loads.X0)], [[*map(whole, row)] for row in loads.S]).picked(hard)
+        rows = Loads(every, [*map(whole, loads.X0)], [[*map(whole, row)] for row in loads.S]).picked(hard)
         with np.errstate(all="ignore"):
             found, held = rows.continued()
             several = held if held.any() else rows.several(found)

@@ -90,8 +90,7 @@ def _unreached(scene: Scene, linkage: Linkage, position: Samples) -> NDArray[np.
     """Name for each position the inner joint of the first group that does not reach, or none by an empty text."""
     reach = motion_at(scene, linkage, position, rates=False).reach
     fails = [np.broadcast_to(~(each >= 0), position.shape) for each in (np.array(0.0), *reach.values())]
-    first: NDArray[np.str_] = np.array(["", *reach])[np.argmax(fails, axis=0)]
-    return first
+    return np.asarray(np.array(["", *reach])[np.argmax(fails, axis=0)])
 
 
 def describe(scene: Scene, linkage: Linkage, position: float) -> str:

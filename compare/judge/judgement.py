@@ -148,7 +148,7 @@ def parts_of_cycles(scene: Scene, sampling: Sampling) -> Iterator[str]:
     cycles = {"drive": abs(float(drive.after(1.0) - drive.after(0.0))), "time": drive.cycle}
     for number, load in enumerate(scene.loads):
         table = load.table
-        if table is None or not (table.periodic and drive.repeats and cycles.get(table.over)):
+        if table is None or not (table.periodic and drive.periodic and cycles.get(table.over)):
             continue
         turns = ceil((table.arguments[-1] - table.arguments[0]) / cycles[table.over] - PART)
         if turns > sampling.turns:

@@ -34,7 +34,7 @@ def axis(scene: Scene) -> DriveAxis:
         return DriveAxis("time", unit, "time", factor)
     if scene.driven_slide is None:
         return DriveAxis(position_name(scene), "deg", scene.drive_channel, 180 / pi)
-    unit, size = scene.length_unit
+    unit, size = scene.units["length"]
     return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size)
 
 
@@ -47,7 +47,7 @@ def position_name(scene: Scene) -> str:
 
 def turns_fully(scene: Scene) -> bool:
     """Whether a crank turns for ever at constant speed, so that a cycle is a turn."""
-    return scene.driven_slide is None and isinstance(scene.drive, ConstantSpeed) and scene.drive.repeats
+    return scene.driven_slide is None and isinstance(scene.drive, ConstantSpeed) and scene.drive.periodic
 
 
 def cycle_name(scene: Scene) -> str:

@@ -26,7 +26,7 @@ def on_its_turn(scene: Scene, spring: TorsionSpring, within: Samples, position: 
         except Failure:  # no other motion is known than this one
             return np.unwrap(np.remainder(within + pi, 2 * pi) - pi)
         once = 2 * pi * round(float(scene.drive.after(1.0) - scene.drive.after(0.0)) / (2 * pi))
-        cycles = np.floor((position - places[0]) / abs(once)) if scene.drive.repeats and once else 0.0
+        cycles = np.floor((position - places[0]) / abs(once)) if scene.drive.periodic and once else 0.0
         gain = np.interp(places[0] + abs(once), places, angles) - angles[0]  # whole turns
         near = np.interp(position - cycles * abs(once), places, angles) + cycles * gain
     return np.asarray(near + np.remainder(within - near + pi, 2 * pi) - pi)

@@ -24,7 +24,7 @@ def units(*references: Reference) -> Units:
 
     Lengths and their rates are in the unit of the scene's file where it suits them; work and power are not among them.
     """
-    name, size = references[0].scene.length_unit
+    name, size = references[0].scene.units["length"]
     of_the_file = {"m": name, "m/s": f"{name}/s", "m/s^2": f"{name}/s²"}
     shown = dict(ALONE)
     for si in (*of_the_file, "N", "N*m"):

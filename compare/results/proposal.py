@@ -101,7 +101,7 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
     """Return the axis, late as it is, at which the channels leave least of all columns, and whether no others do."""
     from scipy.optimize import minimize_scalar
 
-    cycle, repeats = scene.drive.cycle, scene.drive.repeats
+    cycle, repeats = scene.drive.cycle, scene.drive.periodic
 
     def left(axis: Axis, lag: float) -> Samples:
         """Return the shares of the squares of columns that the channels leave."""

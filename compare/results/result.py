@@ -208,7 +208,7 @@ def _on_time(scene: Scene, columns: Columns, halves: Columns, *, backwards: bool
         raise InputError(f"row {row + 3}: expected a later instant than in the row before{way}")
     first, last = columns["time"][0], columns["time"][-1]
     hair = min(halves["time"].max(), BEYOND * drive.cycle) + EQUAL * drive.cycle
-    if not (drive.repeats or (first >= -hair and last <= drive.cycle + hair)):
+    if not (drive.periodic or (first >= -hair and last <= drive.cycle + hair)):
         runs = f"from 0 to {drive.cycle:g} s, while the drive runs"
         raise InputError(f"time: expected instants {runs}, found {first:g} s to {last:g} s; its 'zero' shifts them")
     if len(steps) > 1 and np.ptp(steps) <= EQUAL * 2 * halves["time"].max():

@@ -30,7 +30,6 @@ QUANTITIES: Mapping[str, tuple[Measured, str]] = {
     "R_V peak-valley": (lambda d: peak_valley(d, FINE), "read as the peak less the valley before it"),
     "R_V startup": (MEASURES["R_V start"].of, "read as R_V where the clamp starts to close"),
 }
-FORMS: Mapping[str, bool] = {"as corrected": False, "as printed": True}  # whether a_m is
 PEAK_VALLEY: Mapping[str, Callable[[Samples], float]] = {
     "over the stroke": lambda a: float(np.ptp(a)),
     "from the peak to the valley after it": lambda a: float(a.max() - a[: a.argmax()].min()),
@@ -119,7 +118,7 @@ def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> Spans:
     strokes = {name: formulas.at(d, d.alpha_max * np.linspace(0, 1, ALPHAS)) for name, d in PUBLISHED.items()}
     values = {
         f"{form}, {text}": {name: of(formulas.acceleration(p, SPEED, printed=as_is)) for name, p in strokes.items()}
-        for form, as_is in FORMS.items()
+        for form, as_is in (("as corrected", False), ("as printed", True))
         for text, of in readings.items()
     }
     return {text: of | {"change": 100 * (of["scheme 4"] / of["initial"] - 1)} for text, of in values.items()}

@@ -4,16 +4,20 @@ What a load depends on, a slider's displacement and velocity or the drive's posi
 A slider's displacement is that of its body's first point along its guide from `through`, in the frame of the guide.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Discriminator, Field, Tag
 
-from ..bodies import Slide
-from ..fields import Coordinate, Direction, ForceVector, Length, NewtonMetres, Newtons
-from .tables import LoadCurve
+from .. import limits
+from ..bodies import GROUND, Body, Slide
+from ..errors import InputError
+from ..fields import Coordinate, Direction, FileTable, ForceVector, Known, Length, NewtonMetres, Newtons, Pair
+from .tables import COLUMN, LoadCurve, Over
 
 Frame: TypeAlias = Literal["ground", "body"]
 
@@ -129,3 +133,86 @@ class Moment:
 PlainLoad: TypeAlias = Force | PressForce | ForceTable  # what every engine knows, but for forces that turn
 TabledLoad: TypeAlias = ForceTable | GuideForce | TableForce | Moment  # whose size may be by a table
 Load: TypeAlias = Force | PressForce | TabledLoad
+
+
+def _shape(force: object) -> str:
+    return "number" if isinstance(force, int | float) else "vector"
+
+
+class LoadTable(FileTable):
+    """A force on a point of a body, or a moment: constant, in the last part of the closing stroke, or by a table."""
+
+    body: Known = Field(description="The body on which it acts.")
+    at: Known | None = Field(None, description="The point of the body at which it acts; of a moment where it is drawn.")
+    force: (
+        Annotated[Annotated[ForceVector, Tag("vector")] | Annotated[Newtons, Tag("number")], Discriminator(_shape)]
+        | None
+    ) = Field(None, description="The force: [x, y]; or a number along the guide of a body that slides.")
+    last: Length | None = Field(None, description="Only in this last part of the stroke that closes against the force.")
+    moment: NewtonMetres | None = Field(None, description="Instead of `force`: a moment, counter-clockwise positive.")
+    table: Annotated[list[Pair], Field(min_length=2, max_length=limits.ROWS)] | None = Field(
+        None,
+        description="Instead: [argument, value], a force along the body's guide or `along`, or without `at` a moment.",
+    )
+    over: Over | None = Field(
+        None, description="What the table's arguments are: `drive`, `time`, or the slider's `displacement`."
+    )
+    along: Direction | None = Field(None, description="The direction of a table's force where it is not the guide's.")
+    periodic: bool | None = Field(None, description="Whether the table goes on for ever.")
+    frame: Frame | None = Field(None, description="`body` for a force that turns with its body; else `ground`.")
+
+    def element(self, place: str, bodies: Mapping[str, Body]) -> Load:
+        """The load, its numbers as they are, or InputError where the keys do not go together."""
+        given = [key for key in ("force", "moment", "table") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise InputError(f"{place}: expected either 'force', 'moment' or 'table'")
+        self._check_keys(place)
+        if self.body not in bodies:
+            return Moment(self.body, "", 0.0)  # which is refused by its name
+        slide, at, frame = bodies[self.body].slide, self.at or bodies[self.body].points[0], self.frame or "ground"
+        by_number = isinstance(self.force, float | int)
+        by_table = self.table is not None and self.along is None and not (self.at is None and slide is None)
+        grounded = slide is not None and slide.on == GROUND
+        sliding = {"over": self.over == "displacement", "last": self.last is not None, given[0]: by_number or by_table}
+        for key in (key for key, asked in sliding.items() if asked):
+            if not (grounded if key == "last" else slide):
+                ground = " on the ground" * (key == "last")
+                raise InputError(f"{place}.{key}: expected a body that slides{ground}, found '{self.body}'")
+        force: Any = self.force
+        if self.table is not None:
+            first, second = zip(*self.table, strict=True)
+            if by_table and grounded and self.over in (None, "displacement") and not self.periodic:
+                return ForceTable(self.body, at, first, second)
+            values = "forces" if by_table or self.along is not None else "moments"
+            if self.over is None and values == "moments":
+                expected = "expected 'drive', 'time' or 'displacement' with a moment's table"
+                raise InputError(f"{place}.over: missing; {expected}")
+            table = LoadCurve(
+                **{COLUMN[self.over or "displacement"]: first, values: second}, periodic=bool(self.periodic)
+            )
+            if self.along is not None:
+                return TableForce(self.body, at, self.along, table, frame)
+            return GuideForce(self.body, at, None, table) if by_table else Moment(self.body, at, None, table)
+        if self.moment is not None:
+            return Moment(self.body, at, self.moment)
+        if by_number:
+            return GuideForce(self.body, at, force)
+        if self.last is None or slide is None:
+            return Force(self.body, at, force, frame)
+        return PressForce(self.body, at, force, self.last, closing_sense(force, slide))
+
+    def _check_keys(self, place: str) -> None:
+        vector = isinstance(self.force, tuple)
+        turns = (vector and self.last is None) or self.along is not None
+        fits = {
+            "last": (vector, "a 'force' of [x, y]"),
+            "over": (self.table is not None, "a 'table'"),
+            "periodic": (self.over is not None, "a 'table' and 'over'"),
+            "along": (self.over is not None and self.at is not None, "'at', 'over' and a 'table'"),
+            "frame": (turns, "a 'force' of [x, y], or 'along'"),
+        }
+        for name, (fitting, what) in fits.items():
+            if getattr(self, name) is not None and not fitting:
+                raise InputError(f"{place}.{name}: expected {what} with it")
+        if vector and self.at is None:
+            raise InputError(f"{place}.at: missing; a force acts at a point of its body")

@@ -55,7 +55,7 @@ def unmet_together(scene: Scene) -> Iterator[Demand]:
 
 
 def _together(scene: Scene) -> Iterator[Demand]:
-    length, m = scene.length_unit
+    length, m = scene.units["length"]
     for body in scene.bodies.values():
         place = f"bodies.{body.name}"
         if body.slide is not None:

@@ -9,7 +9,7 @@ from .. import limits
 from ..bodies import BodyTable
 from ..drive import DriveTable
 from ..elements.friction import FrictionTable
-from ..elements.load_table import LoadTable
+from ..elements.loads import LoadTable
 from ..elements.springs import SpringTable, TorsionSpringTable
 from ..errors import InputError, nearest, one_line, path_in_file
 from ..fields import PATTERNS, EngineName, FileTable, Finite, Gravity, Known, Name, Place, Position, Positive, parts

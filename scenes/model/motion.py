@@ -64,9 +64,8 @@ UNITS: Mapping[str, str] = {
     **{"time": "s", "vx": "m/s", "vy": "m/s", "ax": "m/s^2", "ay": "m/s^2", "omega": "rad/s", "alpha": "rad/s^2"},
     **{"power": "W", "speed": "m/s", "acceleration": "m/s^2"},
 }
-DIMENSIONS: Mapping[str, str] = {  # of the units that a file may name; the others are SI in files too
-    **{"m": "length", "rad": "angle", "N": "force", "N*m": "moment", "m/s": "sliding_rate"},
-}
+# Of the units that a file may name; the others are SI in files too.
+DIMENSIONS = {"m": "length", "rad": "angle", "N": "force", "N*m": "moment", "m/s": "sliding_rate"}
 
 
 @cache

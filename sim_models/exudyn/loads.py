@@ -94,7 +94,7 @@ def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressS
     """What a load's vector is to be multiplied by; None for a constant one."""
     scene, drive, coordinates = system.scene, system.driven_by, exudyn.OutputVariableType.Coordinates
     if isinstance(load, PressForce):  # off until the first of the instants of a cycle, on until the second, and so on
-        instants, cycle, repeats = switches[load], scene.drive.cycle, scene.drive.repeats
+        instants, cycle, repeats = switches[load], scene.drive.cycle, scene.drive.periodic
 
         def acts(_mbs: Any, clock: float) -> float:
             time = drive.zero + clock + SAME_INSTANT * cycle

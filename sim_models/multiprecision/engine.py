@@ -13,12 +13,13 @@ from scenes import Request, Scene
 from scenes.elements import ALL_KINDS
 from scenes.model.engine import Simulation
 
-from . import settings as named
 from .settings import MultiprecisionSettings
 
 KINDS = ALL_KINDS
-DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
-WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
+FAST = DEFAULT = EXACT = MultiprecisionSettings("50 digits", promise=1e-12)
+WORK_PRECISION = (DEFAULT,)
+LONG_WORK_PRECISION: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
+ABLATIONS: tuple[MultiprecisionSettings, ...] = ()
 at_steps = iterations_needed = None  # it takes no steps of the time
 
 

@@ -18,9 +18,3 @@ class MultiprecisionSettings(Settings):
     def seconds_for(self, request: Request) -> float:
         """Return how long the solution of a request may take, s of processor time."""
         return self.seconds * max(request.turns if isinstance(request, Sampling) else 1, request.count / 100)
-
-
-FAST = DEFAULT = EXACT = MultiprecisionSettings("50 digits", promise=1e-12)
-WORK_PRECISION = (DEFAULT,)
-LONG_WORK_PRECISION: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
-ABLATIONS: tuple[MultiprecisionSettings, ...] = ()

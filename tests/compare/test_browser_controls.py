@@ -20,7 +20,6 @@ from compare.study import Study
 from papers.audit import audit
 from papers.audit import write as write_audit
 from papers.clamp.formulas import SCHEME_4
-from papers.clamp.optimisation.report import DesignStudy
 from papers.clamp.optimisation.report import write as write_design
 from papers.clamp.optimisation.study import Effort, study
 from tests import scene_files
@@ -71,8 +70,8 @@ def _many(name: str, *arguments: str) -> Callable[[Study, Path], Path]:
 
 
 def _design(_: Study, folder: Path) -> Path:
-    outcome = DesignStudy(study(Effort(2, 0), (1.0,), lambda _: None), [], {"ahead": SCHEME_4}, 1.0)
-    return write_design(outcome, folder) / "design.html"
+    points = study(Effort(2, 0), (1.0,), lambda _: None)
+    return write_design(points, [], {"ahead": SCHEME_4}, 1.0, folder) / "design.html"
 
 
 PAGES: Mapping[str, Callable[[Study, Path], Path]] = {

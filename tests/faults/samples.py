@@ -78,7 +78,7 @@ def _late_by_a_little(clean: Clean) -> Iterator[Fault]:
     for name, by in lags.items():
         for sign, how in ((1, "late"), (-1, "early")):
             instants = clean.sampling.times(scene) - sign * by
-            if not scene.drive.repeats:
+            if not scene.drive.periodic:
                 instants = np.clip(instants, 0.0, scene.drive.cycle)
             position = scene.drive.at(instants).position
             try:

@@ -24,7 +24,7 @@ from papers.clamp.measures import MEASURES, measure
 from papers.clamp.optimisation import search as searched
 from papers.clamp.optimisation import study as studied
 from papers.clamp.optimisation.recheck import ENGINES, rechecks
-from papers.clamp.optimisation.report import DesignStudy, write
+from papers.clamp.optimisation.report import write
 from papers.clamp.optimisation.search import (
     FEASIBLE,
     VARIABLES,
@@ -216,7 +216,7 @@ def test_study_and_report(tmp_path: Path) -> None:
     assert len(done) == len(points)
     assert all(f" of {len(points)} points: " in text for text in done)
     assert {MAIN, LENGTHS, AHEAD} <= {point.set for point in points}
-    folder = write(DesignStudy(points, [], {"ahead": AHEAD_IN_SIX}, 1.0), tmp_path)
+    folder = write(points, [], {"ahead": AHEAD_IN_SIX}, 1.0, tmp_path)
     assert sorted(path.name for path in folder.iterdir()) == ["design.csv", "design.html", "design.json"]
     written = json.loads((folder / "design.json").read_text())
     assert [point["set"] for point in written["points"]] == [point.set for point in points]

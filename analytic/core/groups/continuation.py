@@ -108,8 +108,7 @@ class Track:
         # parabola holds for less than a step.
         h, move = (before.position - self.position)[:, None], self.equations.length(self.q - before.q)
         off = self.equations.length(self.q + h * (self.dq + h / 2 * self.ddq) - before.q)
-        share: Samples = off / (SMOOTH * move + ROUGHLY * self.equations.size)
-        return share
+        return np.asarray(off / (SMOOTH * move + ROUGHLY * self.equations.size))
 
     def _within(self, difference: Samples, least: float) -> Samples:
         """Return the difference less the whole turns that leave it at `least` or up to a turn above."""

@@ -246,8 +246,7 @@ def length_of(correction: Samples, size: float | Samples) -> Samples:
     """The largest move of corrections of shape (..., m) of a group, or of groups each of its size, shape (...), m."""
     moves = np.abs(correction)
     moves[..., 2::3] *= np.asarray(size)[..., np.newaxis]
-    length: Samples = moves.max(axis=-1)
-    return length
+    return np.asarray(moves.max(axis=-1))
 
 
 def in_plane(q: Samples) -> tuple[Complex, Samples]:

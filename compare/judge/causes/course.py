@@ -37,7 +37,7 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         late = evidence.late(start + float(by[0]))
         return {c: late[c] for c in part.channels if late}
 
-    starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * drive.cycle for k in CYCLES_LATE] * drive.repeats
+    starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * drive.cycle for k in CYCLES_LATE] * drive.periodic
     either = (sign * by for by in starts for sign in (1, -1))
     start = min(either, key=lambda by: evidence.left(predict(np.zeros(1), by)))
     (by,), late = evidence.fitted(lambda by: predict(by, start), [1e-4 * step], 4)

@@ -93,7 +93,7 @@ class Evidence:
         """Return the motion as if all were late by a time, s; nothing where there is no motion."""
         if by not in self._late:
             drive, time = self.scene.drive, self.true["time"] - by
-            time = time if drive.repeats else np.clip(time, 0.0, drive.cycle)
+            time = time if drive.periodic else np.clip(time, 0.0, drive.cycle)
             self._late[by] = self.solved(self.scene, drive.at(time).position, time)
         return self._late[by]
 

@@ -116,7 +116,7 @@ def _offsets(evidence: Evidence, scene: Scene, law: Drive) -> Iterator[Hypothesi
     (by,), predicted = evidence.fitted(lambda x: evidence.solved(scene, asked + x[0]), hair, 3)
     yield Hypothesis(_drive(BY, float(by)), predicted, 1)
     entries = [number for number in walk(law, "drive") if number.quantity.dimension == "position"]
-    ends = [entries[0], entries[-1]] if law.repeats and not isinstance(law, HarmonicLaw) else []
+    ends = [entries[0], entries[-1]] if law.periodic and not isinstance(law, HarmonicLaw) else []
     for entry in entries:
 
         def predict(x: Samples, entry: Number = entry) -> Channels:

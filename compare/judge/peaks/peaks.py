@@ -56,7 +56,7 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
         followed,
         reference.cycle,
         lambda time: reference.at(scene.drive.at(time).position, time),
-        repeats=scene.drive.repeats,
+        repeats=scene.drive.periodic,
         bends=partial(beyond, scene),
         switches=partial(_switches, reference) if jumps(scene) else None,
     )

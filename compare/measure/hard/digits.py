@@ -98,7 +98,7 @@ def positions(scene: Scene, about: float) -> Samples:
     least, most = scene.drive.extent
     off = (most - least) * AROUND
     close = np.array([*(about - off), about, *(about + off)])
-    if not scene.drive.repeats:
+    if not scene.drive.periodic:
         close = close[(close >= least) & (close <= most)]
     all_ = np.unique([*np.linspace(least, most, EQUALLY + 1), *close])
     return all_ if scene.drive.start == least else all_[::-1]

@@ -103,7 +103,7 @@ def over_turns(
     reference: Reference, engine: str, show: Progress, turns: Counts = TURNS, up: Counts = FEWER, runs: Runs = HERE
 ) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
-    for number, steps in product(turns if reference.scene.drive.repeats else (), up):
+    for number, steps in product(turns if reference.scene.drive.periodic else (), up):
         show(f"stability of {engine}: drift over {number}, {steps} steps")
         yield _cell(("drift", engine, str(number), steps), reference, runs, turns=number)
 

@@ -90,7 +90,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
         return Motion(answer.samples)
 
     time = np.arange(samples + 1) / samples * np.broadcast_to(many.drive.cycle, (count, 1))
-    repeats, bends = scene.drive.repeats, partial(beyond, many)
+    repeats, bends = scene.drive.periodic, partial(beyond, many)
     switches = (lambda motion, _: np.zeros((*motion["time"].shape[:-1], 0))) if jumps(scene) else None
     with np.errstate(invalid="ignore"):  # of machines that do not run
         motion = refined(quantities, solved(time), solved, repeats=repeats, bends=bends, switches=switches)
@@ -197,7 +197,7 @@ def _turn(way: Stroke, row: int) -> float:
     """When the slider turns next to a sample, by a step of Newton's; or where a drive ends."""
     time = way.motion["time"]
     velocity, acceleration = (way.by_kind[kind].values(way.motion)[row] for kind in ("velocity", "acceleration"))
-    turns = acceleration != 0 and (way.scene.drive.repeats or time[0] < time[row] < time[-1])
+    turns = acceleration != 0 and (way.scene.drive.periodic or time[0] < time[row] < time[-1])
     return float(time[row] - (velocity / acceleration if turns else 0.0))
 
 
@@ -211,7 +211,7 @@ def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Sam
     through, along, unit = np.array(slide.through), np.array(slide.along), np.eye(2)[int(axis)]
     place = curve.kind == "displacement"
     if key == "through":
-        return nothing - place * float(along @ unit) * scene.length_unit[1]
+        return nothing - place * float(along @ unit) * scene.units["length"][1]
     x, y = (motion[f"{curve.of}.{QUANTITIES[curve.kind]}{axis}"] for axis in "xy")
     turn = (unit - along * (along @ unit)) / slide.drawn
     return np.asarray(turn[0] * (x - place * through[0]) + turn[1] * (y - place * through[1]))

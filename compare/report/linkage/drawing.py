@@ -135,7 +135,7 @@ def _scale(peak: float, drawings: Sequence[Drawing]) -> tuple[float, str]:
     if not peak > 0:
         return 0.0, ""
     places = np.concatenate([way for drawing in drawings for way in drawing.places.values()])
-    power, (name, size) = 10.0 ** floor(log10(peak)), drawings[0].scene.length_unit
+    power, (name, size) = 10.0 ** floor(log10(peak)), drawings[0].scene.units["length"]
     force = next(share * power for share in (5, 2, 1) if share * power <= peak)
     longest = SHARE * max(np.ptp(places.real), np.ptp(places.imag))
     length, (factor, newtons) = float(f"{force / peak * longest / size:.2g}"), prefixed(peak, "N")

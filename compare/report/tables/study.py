@@ -91,7 +91,7 @@ def residuals(study: Study) -> TableRows:
 
 def sketch(study: Study) -> TableRows:
     """Yield how far the linkage's points are from where the sketch shows them, the farthest first."""
-    (unit, size), largest = study.scene.length_unit, study.reference.mechanics.size
+    (unit, size), largest = study.scene.units["length"], study.reference.mechanics.size
     for point, distance in sorted(off_sketch(study.reference).items(), key=lambda item: -item[1]):
         yield {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
 
@@ -143,12 +143,12 @@ def setup(study: Study) -> str:
 def _motion_of_the_drive(scene: Scene) -> str:
     drive = scene.drive
     if not isinstance(drive, ConstantSpeed):
-        return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.repeats}"
+        return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.periodic}"
     if scene.driven_slide is not None:
-        unit, size = scene.length_unit
+        unit, size = scene.units["length"]
         return f"at {drive.speed / size:g} {unit}/s from {drive.start / size:g} to {drive.after(1) / size:g} {unit}"
     rpm = f"at {drive.speed * 30 / pi:g} rpm"
-    return rpm if drive.repeats else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
+    return rpm if drive.periodic else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
 
 
 def scales(scene: Scene) -> str:

@@ -1,7 +1,6 @@
 """The study's files: the page with its pictures, one row a point, and everything for a program."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,60 +28,56 @@ MARKS = ("circle", "diamond", "star", "star-square")
 CLEARANCES = {MAIN: BOTH, "sizes that allow scheme 4": ALONE}
 
 
-@dataclass(frozen=True)
-class DesignStudy:
-    """All that a run finds."""
+def write(
+    points: Sequence[Point], rechecks: Sequence[Recheck], chosen: Mapping[str, Design], seconds: float, folder: Path
+) -> Path:
+    """Write all into `folder/design/` and return that; InputError where that cannot be, which leaves what was there.
 
-    points: Sequence[Point]
-    rechecks: Sequence[Recheck]
-    chosen: Mapping[str, Design]  # the designs ahead of scheme 4 that are drawn
-    seconds: float  # that the optimisation took
-
-
-def write(outcome: DesignStudy, folder: Path) -> Path:
-    """Write all into `folder/design/` and return that; InputError where that cannot be, which leaves what was there."""
-    rows = tables.rows(outcome.points)
+    The designs `chosen` are drawn beside scheme 4; the optimisation took so many seconds.
+    """
+    rows = tables.rows(points)
     with placed(folder, "design", FILES) as aside:
         pd.DataFrame(rows).to_csv(aside / "design.csv", index=False)
-        (aside / "design.json").write_text(json_text(_all(outcome, rows)), encoding="utf-8")
-        (aside / "design.html").write_text(page(outcome), encoding="utf-8")
+        (aside / "design.json").write_text(json_text(_all(points, rechecks, seconds, rows)), encoding="utf-8")
+        (aside / "design.html").write_text(page(points, rechecks, chosen, seconds), encoding="utf-8")
     return folder / "design"
 
 
-def page(outcome: DesignStudy) -> str:
+def page(points: Sequence[Point], rechecks: Sequence[Recheck], chosen: Mapping[str, Design], seconds: float) -> str:
     """The whole report as HTML."""
-    points = outcome.points
     return render(
         "clamp/optimisation/design.html",
         "papers",
         tables=tables,
-        outcome=outcome,
         points=points,
-        findings=[*tables.findings(points), f"The optimisation took {outcome.seconds:.0f} s."],
-        coordination=coordination(points, outcome.chosen),
+        rechecks=rechecks,
+        findings=[*tables.findings(points), f"The optimisation took {seconds:.0f} s."],
+        coordination=coordination(points, chosen),
         main=MAIN,
         lengths=LENGTHS,
         others=[name for name in ASSUMPTIONS if name != MAIN],
-        over_stroke=over_stroke({"scheme 4": SCHEME_4} | dict(outcome.chosen)),
+        over_stroke=over_stroke({"scheme 4": SCHEME_4} | dict(chosen)),
         literal=" and ".join(f"{-slacks(d, BOTH)[LITERAL] / DEGREE:.1f} deg ({name})" for name, d in PUBLISHED.items()),
         clearances=CLEARANCES,
     )
 
 
-def _all(outcome: DesignStudy, rows: Sequence[Mapping[str, object]]) -> dict[str, Any]:
+def _all(
+    points: Sequence[Point], rechecks: Sequence[Recheck], seconds: float, rows: Sequence[tables.Row]
+) -> tables.Row:
     count = len(PUBLISHED)
     return {
         "published": rows[:count],
         "clearances_mm": CLEARANCES,
         "points": [
-            dict(row)
+            row
             | {"slack": {name: float(slack) for name, slack in slacks(p.optimum.design, p.problem.clearance).items()}}
             | {"waived": p.problem.waived, "limits": p.problem.limits, "short": p.short}
-            for row, p in zip(rows[count:], outcome.points, strict=True)
+            for row, p in zip(rows[count:], points, strict=True)
         ],
-        "ahead": [point.at for point in tables.of(outcome.points, AHEAD)],
-        "rechecks": outcome.rechecks,
-        "seconds": outcome.seconds,
+        "ahead": [point.at for point in tables.of(points, AHEAD)],
+        "rechecks": rechecks,
+        "seconds": seconds,
         "environment": environment(),
     }
 
@@ -111,11 +106,10 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> Figure
     figure.update_yaxes(title="M_P at α = 2.5° [-]", panel=1)
     figure.update_yaxes(title="L_sum [mm]", panel=2)
     figure.update_xaxes(title="R_S [-]", panel=2)
-    printed = {"yref": "y", "y0": float(LARGEST_FORCE_RATIO), "y1": float(LARGEST_FORCE_RATIO)}
-    across = {"type": "line", "line": BOUND, "xref": "x domain", "x0": 0, "x1": 1}
-    place = {"xref": "x domain", "x": 0.5, "xanchor": "center", "y": printed["y0"], "yanchor": "bottom"}
-    figure.note("largest M_P in print", yref="y", **place)
-    return figure.update_layout(layout(760), margin={"t": 110}, shapes=[across | printed])
+    M_P, across = float(LARGEST_FORCE_RATIO), "x domain"
+    ends: dict[str, Any] = {"xref": across, "x0": 0, "x1": 1, "yref": "y", "y0": M_P, "y1": M_P}
+    figure.note("largest M_P in print", yref="y", xref=across, x=0.5, xanchor="center", y=M_P, yanchor="bottom")
+    return figure.update_layout(layout(760), margin={"t": 110}, shapes=[{"type": "line", "line": BOUND} | ends])
 
 
 def _draw(figure: Figure, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:

@@ -64,20 +64,16 @@ class Problem:
 
     def rows(self, d: Design) -> Array:
         """The objective, then what shall vanish, then what shall not be negative; shape (rows, ...)."""
-        offsets = [beyond for limit in self.equalities for beyond in limit.slacks(d)[:1]]
-        return np.stack([MEASURES[self.objective].of(d) / self.scale, *offsets, *self._slacks(d)])
-
-    def _slacks(self, d: Design) -> list[Array]:
         waived = self.waived
         if any(limit.measure == "R_S" for limit in self.equalities):
             waived = waived | {RATIO}  # at 1.12 a second gradient of the same direction is no help
-        rows = [slack(d, self.clearance) for name, slack in PRINTED.items() if name not in waived]
-        for limit in self.limits:
-            rows += [] if limit in self.equalities else limit.slacks(d)
+        rows = [MEASURES[self.objective].of(d) / self.scale, *(limit.slacks(d)[0] for limit in self.equalities)]
+        rows += [slack(d, self.clearance) for name, slack in PRINTED.items() if name not in waived]
+        rows += [slack for limit in self.limits if limit not in self.equalities for slack in limit.slacks(d)]
         if self.rival is not None:
             force, ratio, length = gains(d, self.rival)
             rows += [ratio - force, length - force]
-        return rows
+        return np.stack(rows)
 
     def violation(self, d: Design) -> Array:
         """By how much a design misses the worst of its limits, dimensionless, zero if it misses none."""

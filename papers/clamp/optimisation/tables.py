@@ -63,17 +63,16 @@ def improved(points: Sequence[Point]) -> list[Point]:
     return [*missing, *(p for p in points if not min(p.short, default=0.0) >= -AGREES)]
 
 
-def curve(points: Sequence[Point], name: str) -> TableRows:
-    """One row a point of a set, as the page shows it."""
-    return [_shown(point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
+def curve(points: Sequence[Point], name: str, label: str = "") -> TableRows:
+    """One row a point of a set, as the page shows it, `label` before where it is."""
+    return [_shown(label + point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
 
 
 def ahead(points: Sequence[Point]) -> TableRows:
     """One row for each search for a design ahead of scheme 4, scheme 4 itself first."""
     table = [_shown("scheme 4", SCHEME_4)]  # which nothing searched for
     for name in (FORCE, AHEAD, ROOM):
-        label = "" if name == AHEAD else f"{name.removeprefix(f'{AHEAD}, ')}: "
-        table += [_shown(label + point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
+        table += curve(points, name, "" if name == AHEAD else f"{name.removeprefix(f'{AHEAD}, ')}: ")
     return table
 
 

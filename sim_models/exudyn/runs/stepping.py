@@ -98,7 +98,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         farthest = max(positions, key=lambda position: abs(position - first.position))
         turned = poses.follow(first, farthest)
         there, here = poses.length(turned.tangent), poses.length(first.tangent)
-        if not self.scene.drive.repeats and not there <= SINGULAR_SPEED * here:
+        if not self.scene.drive.periodic and not there <= SINGULAR_SPEED * here:
             raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {self.scene.where(farthest)}")
         return poses.follow(turned, positions[-1])
 

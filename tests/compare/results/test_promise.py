@@ -121,7 +121,7 @@ def test_a_part_of_the_cycle_confirms_no_channel(
 def test_rows_outside_the_run_of_a_drive_are_refused(name: str, late: float, tmp_path: Path) -> None:
     """There the drive asks for nothing: a spline goes on as it likes, and a body beyond its end may not assemble."""
     scene = scene_files.load(name)
-    assert not scene.drive.repeats
+    assert not scene.drive.periodic
     times = np.linspace(0.0, scene.drive.cycle, 20)
     columns = {**Writer().columns(scene, times, [f"{scene.output}.x"]), "time": times + late * scene.drive.cycle}
     with pytest.raises(InputError, match="while the drive runs"):

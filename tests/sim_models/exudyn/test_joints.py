@@ -121,7 +121,7 @@ def test_press_load_switches_where_the_scene_says(direction: int, begin: float) 
 @pytest.mark.parametrize("name", ["turning_law", "swinging_law"])
 def test_pieces_are_the_law(name: str) -> None:
     drive = referred(name)[0].drive
-    end = (2.5 if drive.repeats else 1.0) * drive.cycle
+    end = (2.5 if drive.periodic else 1.0) * drive.cycle
     running = ExudynDrive()
     parts = pieces(drive, end)
     running.run(parts, 0.05)
