@@ -34,6 +34,8 @@ from ..solve import prepared
 LAST_PLACE = 2.0**-52  # of a number of the file, which was rounded when it was read and when it became SI
 LAW = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and of a spline's equations
 STROKE, PARTS, STROKE_LEVELS = 512, 64, 3  # boxes of a cycle, parts of a box, levels: how a stroke's end is found
+BLOCK = 512  # boxes of which the models are found at a time, so that they stay in cache
+MOST, SLOWER = 8000, 5  # boxes at a time, which take seconds; with larger groups a box takes some times as long
 WAYS = 27  # in which three joints may move or rest; more are too many
 Numbers: TypeAlias = NDArray[np.intp]
 
@@ -94,6 +96,7 @@ class Boxes:
         kinds = [unit.partition("*")[0] for unit in units]
         self.kinds: Numbers = np.array([kinds.index(kind) for kind in kinds], np.intp)
         self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
+        self.most = MOST // SLOWER if self.core.linkage.tracks else MOST
         self.numbers: dict[str, TaylorModel] = {}
         for path, number in scene.numbers.items():
             known = self.numbers[path] = point(number.value, self.like, LAST_PLACE * abs(number.value))
@@ -123,9 +126,13 @@ class Boxes:
 
     def _over(self, line: BoxLine, given: Mapping[str, TaylorModel]) -> TaylorModel:
         """The models of a line's rows; all are of all boxes."""
-        boxes = point(np.zeros(len(given["position"].rest)), self.like)
-        models = stacked([*line(given), boxes])
-        return TaylorModel(models.c[:, :-1], models.rest[:-1])
+        parts = []
+        for first in range(0, len(given["position"].rest), BLOCK):
+            here = {name: picked(one, slice(first, first + BLOCK)) for name, one in given.items()}
+            boxes = point(np.zeros(len(here["position"].rest)), self.like)
+            parts.append(stacked([*line(here), boxes]))
+        c, rest = (np.concatenate([getattr(one, name) for one in parts], axis=-1) for name in ("c", "rest"))
+        return TaylorModel(c[:, :-1], rest[:-1])
 
     def _stroke_end(self, displacement: Expression, closing: int) -> TaylorModel:
         """How far a cycle takes a slider in its closing direction, m: the most of boxes that may be the furthest."""

@@ -41,7 +41,7 @@ def enclose(
     if not finite_numbers("accuracy", accuracy) > 0:
         refuse("accuracy", "a number above zero", accuracy)
     boxes = Boxes(scene, names, off or {})
-    found = extremes(boxes, boxes.ways.divided(FIRST), boxes.kinds, boxes.arms, accuracy)
+    found = extremes(boxes, boxes.ways.divided(FIRST), boxes.kinds, boxes.arms, accuracy, boxes.most)
     rows = [
         Enclosure(name, extreme, *(float(of[sense, row]) for of in (found.low, found.high, found.first, found.last)))
         for row, name in enumerate(boxes.names)

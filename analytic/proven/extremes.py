@@ -20,7 +20,6 @@ from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_
 AT_ONCE = 256  # boxes, which take about as long as a single one
 FEWEST, MOST = 4, 64  # parts of a box
 LEAST = 2.0**-44  # of the whole way: no box is divided further
-TOO_MANY = 6000  # boxes of a level: where so many are left, what they may hold is not known
 FLAT = 1e-9  # of the largest value of a row's kind: what changes by less is zero, or the same, but for round-off
 ROUGHLY = 1e-6  # of that value: how closely such a row is known, whose boxes all hold its extremes
 DECIDED = 8  # rests of a single position, as most are: what doubles can decide
@@ -101,6 +100,7 @@ def extremes(
     kinds: Numbers,
     arms: Samples,
     accuracy: float,
+    most: int,
 ) -> Extremes:
     """Enclose the extremes of rows, and find where one of the conditions, which are to be positive, may not hold.
 
@@ -111,6 +111,7 @@ def extremes(
         kinds: of which kind each row is, shape (rows,); rows of one kind have one unit, once they are divided by
         arms: of moments, that they are forces at, shape (rows,); else 1.
         accuracy: how far the bounds may be apart, of the row's range.
+        most: boxes at a time; where more are left, what they may hold is not known.
     """
     low, high = boxes
     way, rows = high.max() - low.min(), len(kinds)
@@ -125,11 +126,14 @@ def extremes(
         attained = np.maximum(attained, level.attained.max(axis=-1))
         enough = attained + np.maximum(arms * _tolerance(attained / arms, kinds, accuracy), rounding)
         wanted = (level.most > enough[..., np.newaxis]).any(axis=(0, 1)) | level.doubtful
-        wanted &= ~level.fails & (level.high - level.low > LEAST * way)
-        divided = np.zeros(len(low), np.bool_)
-        divided[own[wanted]] = True  # with all that is assumed of a box
+        divisible = ~level.fails & (level.high - level.low > LEAST * way)
+        for some in (wanted, level.doubtful, np.False_):  # of too many, those alone where it may not assemble
+            divided = np.zeros(len(low), np.bool_)
+            divided[own[some & divisible]] = True  # with all that is assumed of a box
+            if FEWEST * divided.sum() <= most:
+                break
         low, high = low[divided], high[divided]
-        if not len(low) or FEWEST * len(low) > TOO_MANY:
+        if not len(low):
             return _enclosed(_Boxes.joined([*done, level]), attained, LEAST * way)
         done.append(level.picked(~divided[own]))
         parts = int(np.clip(AT_ONCE // len(low), FEWEST, MOST))

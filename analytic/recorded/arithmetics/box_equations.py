@@ -29,9 +29,13 @@ def picked(x: TaylorModel, i: Any) -> TaylorModel:
 
 def _times(matrix: Samples, x: TaylorModel) -> TaylorModel:
     """A matrix of doubles, shape (n, k, k), times models of shape (k, ..., n)."""
-    k = matrix.shape[-1]
-    c = np.einsum("nij,aj...n->ai...n", matrix, x.c)
-    return TaylorModel(c, np.einsum("nij,j...n->i...n", np.abs(matrix), x.rest + k * ROUNDED * x.most) * UP + TINY)
+    n, k, _ = matrix.shape
+
+    def product(matrix: Samples, columns: Samples) -> Samples:
+        rows = np.matmul(matrix[:, np.newaxis], np.moveaxis(columns.reshape(-1, k, x.rest.size // (n * k), n), -1, 0))
+        return np.asarray(np.moveaxis(rows, 0, -1).reshape(columns.shape))
+
+    return TaylorModel(product(matrix, x.c), product(np.abs(matrix), x.rest + k * ROUNDED * x.most) * UP + TINY)
 
 
 def _sum(x: TaylorModel) -> TaylorModel:

@@ -51,7 +51,7 @@ def sentences(study: Judgement) -> Iterator[str]:
     scene, proof = study.scene, study.proof
     lasting = any(load.table is not None and load.table.over != "displacement" for load in scene.loads)
     cycle = "turn" if turns_fully(scene) else "range of the drive"
-    over = f"over the {'first' if lasting and scene.drive.repeats else 'whole'} {cycle}"
+    over = f"over the {'first' if lasting and scene.drive.periodic else 'whole'} {cycle}"
     if proof.open_at is not None:
         what = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
         yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}."
