@@ -1,6 +1,6 @@
 """What is proven between the samples, as rows and sentences."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import ceil, floor, isinf, log10
 
 from scenes.model.enclosures import Enclosure
@@ -19,11 +19,11 @@ NOTHING = 2e-6  # of the largest value of a unit: no closer is a bound known tha
 def bounds(study: Judgement) -> TableRows:
     """A row a channel or magnitude: what it is never below and never above, and where it comes nearest to that."""
     rows: dict[str, dict[str, object]] = {}
-    for row in study.proof.rows:
+    for row, shown in zip(study.proof.rows, _bounds(study, study.proof.rows), strict=True):
         never, at = ("never below", "least") if row.extreme == "least" else ("never above", "most")
-        shown = {"channel": row.channel, never: bound(study, row), at: place(study.scene, row[4:])}
-        rows.setdefault(row.channel, {}).update(shown)
-    return [*rows.values()]
+        own = rows.setdefault(row.channel, {"channel": row.channel})
+        own |= {never: shown, at: place(study.scene, row[4:])}
+    return rows.values()
 
 
 def limits(study: Judgement) -> list[str]:
@@ -31,19 +31,24 @@ def limits(study: Judgement) -> list[str]:
     return [f"{limit.text}." for limit in study.limits]
 
 
-def bound(study: Judgement, row: Enclosure) -> str:
-    """What an extreme is not beyond."""
-    unit = UNITS[quantity(row.channel)]
-    value, sign = (row.high, 1) if row.extreme == "most" else (row.low, -1)
-    alike = (max(abs(other.low), abs(other.high)) for other in study.proof.rows if UNITS[quantity(other[0])] == unit)
-    if isinf(value):
-        return "not known"
-    if abs(value) <= NOTHING * max(alike):
-        return "≈ 0" if value else "0"
-    factor = units(study.reference).get(unit, (1.0, ""))[0]
-    place = 10.0 ** (DIGITS - 1 - floor(log10(abs(value * factor))))
-    outwards = sign * ceil(sign * value * factor * place) / place / factor
-    return written(outwards, unit, units(study.reference), digits=DIGITS)
+def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
+    """Yield what each extreme is not beyond."""
+    shown, largest = units(study.reference), dict[str, float]()
+    for row in study.proof.rows:
+        unit = UNITS[quantity(row.channel)]
+        largest[unit] = max(largest.get(unit, 0.0), abs(row.low), abs(row.high))
+    for row in rows:
+        unit = UNITS[quantity(row.channel)]
+        value, sign = (row.high, 1) if row.extreme == "most" else (row.low, -1)
+        if isinf(value):
+            yield "not known"
+        elif abs(value) <= NOTHING * largest[unit]:
+            yield "≈ 0" if value else "0"
+        else:
+            factor = shown.get(unit, (1.0, ""))[0]
+            place = 10.0 ** (DIGITS - 1 - floor(log10(abs(value * factor))))
+            outwards = sign * ceil(sign * value * factor * place) / place / factor
+            yield written(outwards, unit, shown, digits=DIGITS)
 
 
 def sentences(study: Judgement) -> Iterator[str]:
@@ -62,10 +67,10 @@ def sentences(study: Judgement) -> Iterator[str]:
         if forces:
             largest = max(forces, key=lambda row: row.high)
             joint, where = largest.channel.removesuffix(".force"), place(scene, largest[4:])
-            proofs.append(f"no pin carries more than {bound(study, largest)} ({joint} {where})")
-        for row in proof.rows:
-            if row[:2] == (TRANSMISSION, "least"):
-                proofs.append(f"no transmission angle is below {bound(study, row)}")
+            (most,) = _bounds(study, [largest])
+            proofs.append(f"no pin carries more than {most} ({joint} {where})")
+        for least in _bounds(study, [row for row in proof.rows if row[:2] == (TRANSMISSION, "least")]):
+            proofs.append(f"no transmission angle is below {least}")
         yield f"Proven {over}: {', '.join(proofs)}."
     open_limits = [limit.text for limit in study.limits if limit.outcome != MET]
     if study.limits:
