@@ -36,7 +36,8 @@ def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
     shown, largest = units(study.reference), dict[str, float]()
     for row in study.proof.rows:
         unit = UNITS[quantity(row.channel)]
-        largest[unit] = max(largest.get(unit, 0.0), abs(row.low), abs(row.high))
+        known = (abs(end) for end in (row.low, row.high) if not isinf(end))
+        largest[unit] = max(largest.get(unit, 0.0), *known, 0.0)
     for row in rows:
         unit = UNITS[quantity(row.channel)]
         value, sign = (row.high, 1) if row.extreme == "most" else (row.low, -1)

@@ -87,7 +87,7 @@ def test_larger_groups_in_other_coordinates(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*COUNTS, *LARGER, "peaucellier", "excavator_bucket", "quick_return"])
+@pytest.mark.parametrize("name", [*COUNTS, *LARGER, "excavator_bucket", "quick_return"])
 def test_newton_from_many_starts(name: str) -> None:
     assert_none_missed(scenes.load(name) if name in scenes.shipped() else scene_files.load(name), 300)
 

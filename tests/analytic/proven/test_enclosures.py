@@ -27,15 +27,10 @@ Bounds = Mapping[tuple[str, str], Enclosure]
 SAMPLES = 1441  # of a range
 STILL = 1e-8  # of a unit's peak: what changes by less, as what is zero but for roundings, is known to its size
 LOOSE = {
-    "damped_shaker": "a transmission angle has a kink where it is right",
-    "double_toggle_clamp": "a bound of a force is ten times as far",
-    "double_toggle_clamp_scheme4": "a bound of a force is ten times as far",
     "double_toggle_clamp_friction": "some forces are not bounded",
     "crank_press_friction": "beside where friction turns back both senses are bounds",
     "self_locking_toggle": "beside where friction turns back both senses are bounds",
     "toggle_press_friction": "beside where friction turns back both senses are bounds",
-    "four_stroke_engine": "at the start of a periodic table its period is not decided",
-    "garage_door": "the angle of a spring that twists is not known where it is half a turn",
 }
 FEW = ("toggle_press", "crank_press", "four_bar")
 
