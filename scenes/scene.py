@@ -77,7 +77,7 @@ class Variation:
 
 
 @dataclass(frozen=True)
-class Limit:
+class ChannelLimit:
     """What a channel or a magnitude may be at any position of the drive, SI."""
 
     least: float | None = None
@@ -112,7 +112,7 @@ class Scene:
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
-    limits: Mapping[str, Limit] = field(default_factory=dict)  # by channel or magnitude
+    limits: Mapping[str, ChannelLimit] = field(default_factory=dict)  # by channel or magnitude
     variations: tuple[Variation, ...] = ()  # what the workshop may deviate, in the units of the file
     torsion_springs: tuple[TorsionSpring, ...] = ()
     friction: tuple[Friction, ...] = ()

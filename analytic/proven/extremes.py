@@ -30,7 +30,7 @@ Models: TypeAlias = Callable[[Samples, Samples], tuple[TaylorModel, Numbers]]
 
 
 @dataclass(frozen=True)
-class Extremes:
+class Enclosed:
     """The least and the largest value of each row, shape (2, rows): infinite bounds where nothing is known."""
 
     low: Samples
@@ -101,7 +101,7 @@ def extremes(
     arms: Samples,
     accuracy: float,
     most: int,
-) -> Extremes:
+) -> Enclosed:
     """Enclose the extremes of rows, and find where one of the conditions, which are to be positive, may not hold.
 
     Args:
@@ -151,7 +151,7 @@ def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
     return np.where(np.isfinite(span), np.where(span > FLAT * size[kinds], accuracy * span, flat), 0.0)
 
 
-def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> Extremes:
+def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> Enclosed:
     """The bounds by boxes with all the way."""
     most = np.maximum(attained, np.where(boxes.fails, -np.inf, boxes.most).max(axis=-1))
     which, begins, ends = boxes.within(attained)
@@ -165,7 +165,7 @@ def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> Extremes:
         first_failing = np.where(boxes.fails, boxes.low, np.inf).argmin()
         failing = float(boxes.low[first_failing]), float(boxes.high[first_failing])
         open_at = min(open_at or failing, failing)
-    return Extremes(low, high, first, last, open_at)
+    return Enclosed(low, high, first, last, open_at)
 
 
 def _first(begins: Samples, ends: Samples, apart: float) -> Span | None:

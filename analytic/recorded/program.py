@@ -237,3 +237,38 @@ class RecordedBalance(FrictionBalance):
         pins = [Traced(make, x, y) for x, y in zip(forces[:p], forces[p : 2 * p], strict=True)]
         guides = [Traced(make, x) for x in forces[2 * p :]]
         self.spread(group, pins, guides[:s], guides[s : 2 * s], guides[2 * s :])  # type: ignore[arg-type]
+
+
+class BoundedBalance(RecordedBalance):
+    """Balances everything as expressions of which an arithmetic finds bounds; whole numbers in them are inputs."""
+
+    def settled(self, loads: Loads) -> Sequence[Any]:
+        """The frictions with what a few steps may leave of them.
+
+        The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
+        contraction of that difference.
+        """
+        w, _ = loads.solved()
+        self.contracts(loads.contraction)
+        slopes = [one.slope() for one in loads.rubbing]
+        left = [np.abs(one) for one in loads.open(w, slopes)[0]]
+        sizes = ([one.size(s) for s in row] for one, row in zip(loads.rubbing, loads.S, strict=True))
+        largest = reduce(np.maximum, (reduce(np.add, map(np.multiply, row, left)) for row in sizes))
+        off = largest / (1.0 - loads.contraction)
+        every = zip(w, left, slopes, strict=True)
+        return [Traced(x.make, x.make("within", x.x, (own + np.abs(slope) * off).x)) for x, own, slope in every]
+
+    def rubbing(self, one: Friction) -> Rubbing:
+        """A friction as it acts, of one sense at a time."""
+        rubbing = super().rubbing(one)
+        return replace(rubbing, sense=rubbing.sense.whole) if one.smooth is None else rubbing
+
+    def acting(self, load: PressForce, place: str) -> Any:
+        """Whether a press force acts."""
+        return super().acting(load, place).whole
+
+    def twisted(self, spring: TorsionSpring, place: str) -> Any:
+        """The angle of a torsion spring, counted from what it is roughly, as a jump by a turn has no bounds."""
+        rough: Any = self.given[place]
+        turned: Any = self.k.u[spring.second] * self.k.u[spring.first].conjugate() * np.exp(-1j * rough)
+        return rough + np.arctan2(turned.imag, turned.real)

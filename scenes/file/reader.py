@@ -23,7 +23,7 @@ from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
 from ..limits import SOURCE, TITLE
 from ..model.motion import TRANSMISSION, channels, magnitudes, unit_of
-from ..scene import GROUND, Limit, Scene, Sketch, Variation
+from ..scene import GROUND, ChannelLimit, Scene, Sketch, Variation
 from .changes import Value, change, check_variations, label, numbers
 from .consistency import check
 from .format import SceneFile, TolerancesTable, validated
@@ -126,8 +126,8 @@ def _scene(table: SceneFile, file: str) -> Scene:
     return replace(scene, limits=_limits(table, scene))
 
 
-def _limits(table: SceneFile, scene: Scene) -> Mapping[str, Limit]:
-    held: dict[str, Limit] = {}
+def _limits(table: SceneFile, scene: Scene) -> Mapping[str, ChannelLimit]:
+    held: dict[str, ChannelLimit] = {}
     known = [*channels(scene)[2:], *magnitudes(scene), TRANSMISSION]  # the first are the time and the drive's position
     for name, limit in table.limits.items():
         place = f"limits.{name}"
@@ -138,7 +138,7 @@ def _limits(table: SceneFile, scene: Scene) -> Mapping[str, Limit]:
         if limit.least is not None and limit.most is not None and limit.least > limit.most:
             raise InputError(f"{place}.least: expected {limit.most:g}, the most, or less, found {limit.least:g}")
         _, size = unit_of(scene, name)
-        held[name] = Limit(*(None if end is None else end * size for end in (limit.least, limit.most)))
+        held[name] = ChannelLimit(*(None if end is None else end * size for end in (limit.least, limit.most)))
     return MappingProxyType(held)
 
 
