@@ -32,6 +32,8 @@ from .expressions import Closing, Expression, Inputs, Recorder, needed, substitu
 from .forward import forward
 from .traced import Traced, traced
 
+NEARLY_HALF = 3.0  # rad, of a turn
+
 
 @dataclass(frozen=True)
 class Program:
@@ -268,7 +270,8 @@ class BoundedBalance(RecordedBalance):
         return super().acting(load, place).whole
 
     def twisted(self, spring: TorsionSpring, place: str) -> Any:
-        """The angle of a torsion spring, counted from what it is roughly, as a jump by a turn has no bounds."""
+        """The angle of a torsion spring, by what it is roughly; not known where that may be half a turn off."""
         rough: Any = self.given[place]
         turned: Any = self.k.u[spring.second] * self.k.u[spring.first].conjugate() * np.exp(-1j * rough)
-        return rough + np.arctan2(turned.imag, turned.real)
+        angle: Any = np.arctan2(turned.imag, turned.real)
+        return rough + angle / chosen(np.abs(angle) < NEARLY_HALF, 1.0, 0.0)
