@@ -76,6 +76,9 @@ def test_the_command_line_stops_at_a_limit(tmp_path: Path, capsys: pytest.Captur
     assert main([*arguments, "--check"]) == 1
     assert "missed: limits.B.x: at most 3.9 m missed" in capsys.readouterr().out
     assert main(arguments) == 0
+    page = (tmp_path / "out" / "slider_crank" / "report.html").read_text(encoding="utf-8")
+    assert "✗ Limits" in page
+    assert "Proven over the whole turn: it assembles" in page
     table = pd.read_csv(tmp_path / "out" / "slider_crank" / "enclosures.csv")
     assert list(table.columns) == ["channel", "extreme", "low", "high", "position_low", "position_high"]
     most = table[(table["channel"] == "B.x") & (table["extreme"] == "most")].iloc[0]
