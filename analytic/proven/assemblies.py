@@ -7,7 +7,7 @@ singular configuration, at an end of an interval of the drive's range in which i
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
-from math import remainder, sqrt, tau
+from math import ceil, inf, remainder, sqrt, tau
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -54,7 +54,10 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
         else:
             both = [replace(way, groups=(*way.groups, replace(group, branch=b))) for way in ways for b in (1, -1)]
             ways = [way for way in both if not np.any(_at(scene, way, at).reach.get(group.P, np.zeros(1)) < 0)]
-    own = _at(scene, followed(scene, whole), at).z
+    drawn = followed(scene, whole)
+    own = _at(scene, drawn, at).z
+    if not ways and not complete:  # of a group that is too large for it
+        ways = [drawn]
     several = not any(isinstance(group, Group) for group in whole.groups) and 2 ** len(whole.groups) <= MOST
     known: Sequence[tuple[int | None, Sequence[End]]] = [(None, ())] * len(ways)
     if circuits and several:
@@ -93,7 +96,7 @@ def _closed(scene: Scene, before: Linkage, group: Group, at: Samples) -> tuple[l
     return ways, complete
 
 
-def _circuits(scene: Scene, whole: Linkage, ways: Sequence[Linkage], at: float) -> list[tuple[int, list[End]]]:
+def _circuits(scene: Scene, whole: Linkage, ways: Sequence[Linkage], at: float) -> list[tuple[int | None, list[End]]]:
     """By assembly of dyads, the number of its circuit, and where it meets others."""
     from scipy.sparse.csgraph import connected_components  # late: slow to import, and few runs need it
 
@@ -116,13 +119,12 @@ def _circuits(scene: Scene, whole: Linkage, ways: Sequence[Linkage], at: float) 
     count = range(len(parts))
     joined = np.array([[meet(one, other) for other in count] for one in count])
     _, circuit = connected_components(joined, directed=False)
-    found = []
+    found: list[tuple[int | None, list[End]]] = []
     for way in ways:
         branches = tuple(group.branch for group in way.groups if not isinstance(group, Group))
-        whole_turns = (tau * k for k in (-1, 0, 1)) if turns else (0.0,)
-        places = [at + turn for turn in whole_turns]
-        own = next(n for n in count if parts[n][0] == branches and any(_holds(parts[n][1], x) for x in places))
-        found.append((int(circuit[own]), _ends(parts[own][1])))
+        here = (n for n in count if parts[n][0] == branches and _holds(parts[n][1], at, tau if turns else inf))
+        own = next(here, None)  # none in a gap that is too narrow to be seen
+        found.append((None, []) if own is None else (int(circuit[own]), _ends(parts[own][1])))
     return found
 
 
@@ -132,5 +134,8 @@ def _ends(interval: Interval) -> list[End]:
     return [(position, joint) for position, joint in ends if joint]
 
 
-def _holds(interval: Interval, position: float) -> bool:
+def _holds(interval: Interval, position: float, turn: float) -> bool:
+    """Whether an interval has a position, or one that is whole turns further."""
+    if turn < inf and interval.start > -inf:
+        position += turn * ceil((interval.start - SAME - position) / turn)
     return interval.start - SAME <= position <= interval.end + SAME

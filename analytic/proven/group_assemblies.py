@@ -23,7 +23,7 @@ from ..recorded.arithmetics.box_equations import inverse_of
 
 PARTS = 4  # of the range of each unknown, to begin with
 LEAST = 2.0**-24  # of that range: where two poses meet no box decides
-TOO_MANY = 1_000_000  # boxes of a level
+TOO_MANY = 50_000  # boxes of a level: groups of four angles take up to a thousand
 SAME = 1e-6  # of a range: two boxes with one zero
 SLACK = 1e-11  # of the loops' terms: roundings
 STEPS = 5  # of Newton's method from the middle of a box
@@ -118,6 +118,8 @@ def _tie(known: dict[int, tuple[int, complex]], ties: list[tuple[int, int, compl
 def _zeros(loops: Loops, half: Samples) -> tuple[Samples, bool]:
     """The zeros of the loops within +-half, shape (zeros, U), and whether all boxes are decided."""
     middles = (2 * np.arange(PARTS) + 1) / PARTS - 1
+    if PARTS ** len(half) > TOO_MANY:
+        return np.zeros((0, len(half))), False
     y, rho = np.array([*product(middles, repeat=len(half))]) * half, half / PARTS
     slack = SLACK * (np.abs(loops.W).sum() + np.abs(loops.V).sum() * half.max())
     zeros, level = np.zeros((0, len(half))), 0

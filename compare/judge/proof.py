@@ -60,7 +60,7 @@ def met(scene: Scene, motion: Motion) -> Any:
     """Whether each of m machines meets all limits of the scene at its samples, shape (m,); the motion's are (m, n)."""
     within = np.ones(len(motion["time"]), np.bool_)
     for name, limit in scene.limits.items():
-        own = [motion[channel] for channel in channels_of(scene, name, motion.samples)]
+        own = [motion[channel] for channel in channels_of(scene, name, motion.samples)] or [np.full((1, 1), nan)]
         values = np.hypot(*own) if name in magnitudes(scene) else np.min(own, axis=0)
         within &= (limit.least is None) | (values >= (limit.least or 0.0)).all(axis=-1)
         within &= (limit.most is None) | (values <= (limit.most or 0.0)).all(axis=-1)

@@ -154,3 +154,18 @@ def places_at(scene: Scene, position: float) -> Floats:
 def test_where_a_dyad_can_turn_by_itself_not_all_is_known() -> None:
     """Peaucellier's rhombus folds, so that two of its pins are in one place and its outer bars turn about it."""
     assert not analytic.assemblies(scenes.load("peaucellier"), circuits=False).complete
+
+
+def test_a_group_that_is_too_large_has_the_pose_that_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("analytic.proven.group_assemblies.TOO_MANY", 10)
+    every = analytic.assemblies(scenes.load("class_iii"))
+    assert [one.meant for one in every.found] == [True]
+    assert not every.complete
+
+
+@pytest.mark.parametrize(("name", "position", "count"), [("toggle_press", 100.0, 4), ("double_toggle_clamp", 0.9, 0)])
+def test_positions_beyond_the_first_turn_and_out_of_reach(name: str, position: float, count: int) -> None:
+    every = analytic.assemblies(scenes.load(name), position)
+    assert len(every.found) == count
+    assert every.complete
+    assert all(one.circuit is not None for one in every.found)

@@ -2,14 +2,15 @@
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
 import compare
-from compare.judge.proof import held, proven
+from compare.judge.proof import held, met, proven
 from compare.report.tables.proof import bounds, sentences
 from compare.run import main
-from scenes import InputError, Sampling, Scene
+from scenes import InputError, Motion, Sampling, Scene
 from scenes.model.enclosures import Enclosure, Enclosures
 from tests import scene_files
 
@@ -44,6 +45,15 @@ def test_a_limit_between_the_bounds_is_not_decided() -> None:
 def test_a_limit_of_what_is_not_proven_is_not_decided() -> None:
     (limit,) = held(limited({"limits": {"B.x": {"most": 4.1}}}), FEW, Enclosures((), (0.1, 0.2)))
     assert limit.outcome == "not decided"
+
+
+def test_machines_meet_limits_at_their_samples() -> None:
+    scene = limited({"limits": {"A.speed": {"most": 5.0}, "B.x": {"least": 1.0}}})
+    x, fast = np.array([[2.0, 3.0], [2.0, 0.5], [2.0, 3.0]]), np.array([[3.0, 3.0], [3.0, 3.0], [3.0, 4.1]])
+    motion = Motion({"time": 0 * x, "B.x": x, "A.vx": fast, "A.vy": fast})  # of a speed of 4.2 and 5.8
+    assert met(scene, motion).tolist() == [True, False, False]
+    nothing = limited({"limits": {"transmission": {"least": 0.1}}})
+    assert met(nothing, motion).tolist() == [False] * 3  # a linkage without dyads has no such angle to show
 
 
 def test_channels_that_are_not_asked_for_have_no_bounds_and_no_limits() -> None:
