@@ -26,7 +26,7 @@ CLOSE = 1e-25  # of the largest g, a last correction; what it leaves is about it
 ANY_DIRECTION = arb(0, 1)
 
 
-class JointFriction:
+class JointResistance:
     """One joint's friction: its `work` for a unit of it, and the P of (1) for the two multipliers of its `rows`."""
 
     def __init__(self, linkage: LinkageEquations, friction: Friction) -> None:
@@ -58,7 +58,7 @@ class JointFriction:
 
 
 def resisted(
-    linkage: LinkageEquations, frictions: Sequence[JointFriction], q: arb_mat, velocity: arb_mat, without: arb_mat
+    linkage: LinkageEquations, frictions: Sequence[JointResistance], q: arb_mat, velocity: arb_mat, without: arb_mat
 ) -> arb_mat:
     """Return the multipliers, from those without friction, then all t and their power; Failure as of `Pressed`."""
     works = [friction.work.jacobian(q) for friction in frictions]
@@ -87,7 +87,7 @@ class Pressed(NamedTuple):
     """
 
     place: str  # of the drive
-    senses: Sequence[tuple[JointFriction, arb]]
+    senses: Sequence[tuple[JointResistance, arb]]
     terms: Sequence[tuple[int, arb_mat, arb_mat]]
 
     def factors(self, factor: float) -> arb_mat:

@@ -16,7 +16,7 @@ from scenes.model.motion import Samples, channels
 from .constraints import LinkageEquations
 from .continuation import Continuation
 from .drive import Command, commands
-from .friction import JointFriction, resisted
+from .friction import JointResistance, resisted
 from .loads import GeneralisedForce, generalised_force
 from .rows import angles, solved
 from .settings import MultiprecisionSettings
@@ -39,7 +39,7 @@ def solution_in(
     force: GeneralisedForce,
     q: arb_mat,
     command: Command,
-    frictions: Sequence[JointFriction] = (),
+    frictions: Sequence[JointResistance] = (),
 ) -> Solution:
     """J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q in a pose, e being the drive's row."""
     rows, groups = linkage.constraints, linkage.groups
@@ -111,7 +111,7 @@ class MultiprecisionSimulation:
             ends = stroke_ends(self._linkage, continuation, self._start)
             self._force = generalised_force(self._linkage, ends, self._start)
             frictions = scene.friction if request.wants_forces(scene) else ()
-            self._frictions = [JointFriction(self._linkage, friction) for friction in frictions]
+            self._frictions = [JointResistance(self._linkage, friction) for friction in frictions]
 
     def solve(self) -> None:
         """Follow the pose through the samples and enclose each."""

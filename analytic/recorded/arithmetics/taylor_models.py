@@ -23,7 +23,6 @@ ROUNDED = 2.0**-50  # of a result: one to three roundings, in whatever order, ar
 FUNCTION = 2.0**-49  # of a function's value: NumPy's are off by less than one unit in the last place, 2^-52
 UP = 1 + 2.0**-48  # a rest is a sum of a dozen terms: its own roundings
 TINY = 1e-290  # what underflows, and what a rest loses by that
-
 EXACT = 4096  # a constant is meant as it is where it is a whole number of parts of one by this
 
 
