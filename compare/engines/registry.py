@@ -156,6 +156,11 @@ def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
     return cast("Assemblies", import_module("analytic").assemblies(scene, circuits=circuits))
 
 
+def page_program(scene: Scene, position: Samples, time: Samples) -> Mapping[str, Any] | None:
+    """Return the core's formulas as JavaScript, see `analytic.page_program`; None where they take iterations."""
+    return cast("Mapping[str, Any] | None", import_module("analytic").page_program(scene, None, position, time))
+
+
 def route(scene: Scene) -> str:
     """Return by which way the reference solves a scene, in a few words."""
     return cast("str", import_module("analytic").route(scene))

@@ -23,9 +23,11 @@ for (let c = 0; c < channels.length; c++) {
 const off = new Float32Array(buffer, 4 * channels.length * count);
 const place = Object.fromEntries(channels.map((channel, c) => [channel, c * count]));
 const width = head.compared + panels.length;
-const difference = (channel, n, engine) => (engine ? off[(engine - 1) * width * count + place[channel] + n] : 0);
+let isEdited = false; // the reference's numbers are those of another design, which no engine has solved
+const ofEngine = (engine, row, n) => (isEdited ? NaN : off[((engine - 1) * width + row) * count + n]);
+const difference = (channel, n, engine) => (engine ? ofEngine(engine, place[channel] / count, n) : 0);
 const value = (channel, n, engine = 0) => numbers[place[channel] + n] + difference(channel, n, engine);
-const error = (panel, n, engine) => off[((engine - 1) * width + head.compared + panel) * count + n];
+const error = (panel, n, engine) => ofEngine(engine, head.compared + panel, n);
 const over = n => value(axis.channel, n) * axis.factor;
 const rows = [...Array(count).keys()];
 const nearest = at => rows.reduce((best, n) => (Math.abs(over(n) - at) < Math.abs(over(best) - at) ? n : best), 0);
@@ -124,6 +126,7 @@ const words = (n, engine) => {
 const [force, magnify, sketch, slider, output] =
   ["[name=force]", "[name=magnify]", "[name=sketch]", "[type=range]", "output"].map(find);
 const plots = new Map(); // by the section that has it
+const followers = []; // what else is drawn anew for a sample
 let now = 0, marked = "";
 
 const show = n => {
@@ -138,6 +141,7 @@ const show = n => {
   find(".now").textContent = words(n, +force.value);
   svg.setAttribute("aria-label", `${head.title} at ${axis.quantity} ${position(n)}. ${words(n, +force.value)}`);
   plots.forEach(plot => plot.show(n));
+  followers.forEach(follow => follow(n));
 };
 
 // --- one cursor through all plots ------------------------------------------------------------------------------------
@@ -279,4 +283,5 @@ new ResizeObserver(() => {
 }).observe(svg);
 new ResizeObserver(() => plots.forEach(plot => plot.show(now))).observe(document.body);
 for (const part of root.querySelectorAll(".player")) part.hidden = false;
-if (!matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
+const most = rows.map(n => Math.max(0, ...arrows.map(arrow => (arrow.load ? 0 : Math.hypot(...vector(arrow, n, 0)) || 0))));
+show(most.indexOf(Math.max(...most))); // at rest, where the largest joint force is

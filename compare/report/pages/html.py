@@ -20,7 +20,7 @@ from ...judge.agreement import Word
 from ..figures.figure import CONFIG, CURVE, Figure, template
 from ..numbers import percent, short
 
-HERE, LINKAGE = "compare.report.pages", "compare.report.linkage"  # the packages of the templates that pages share
+HERE, LINKAGE, BENCH = "compare.report.pages", "compare.report.linkage", "compare.report.bench"  # templates' packages
 ROWS = 200  # of a table or a list, at most
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
 LEVEL = 5  # of the library's gzip: the page of three engines stays below 2.5 MB; level 6 takes 40 % longer
@@ -43,7 +43,7 @@ class ByteCode(FileSystemBytecodeCache):
 @cache
 def _templates(package: str) -> Environment:
     templates = Environment(
-        loader=ChoiceLoader([PackageLoader(name, "") for name in dict.fromkeys((package, HERE, LINKAGE))]),
+        loader=ChoiceLoader([PackageLoader(name, "") for name in dict.fromkeys((package, HERE, LINKAGE, BENCH))]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

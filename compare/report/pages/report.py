@@ -11,6 +11,7 @@ from ...measure.speed.speed_table import SAMPLING
 from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
+from ..bench.bench import Bench
 from ..figures.curves import assur_groups, chosen, friction, over_angle, over_distance
 from ..figures.figure import Attributes, Figure, affordable
 from ..figures.speed import work_precision
@@ -31,6 +32,7 @@ def page(study: Study) -> str:
     panels = {panel.title: over_angle(study, panel) for panel in drawn}
     groups, distance = assur_groups(study), over_distance(study)
     most = affordable(figure.traces for figure in (*panels.values(), groups, distance) if figure is not None)
+    moving = MovingPicture(study, drawn)
     return render(
         "report.html",
         most=most,
@@ -39,7 +41,8 @@ def page(study: Study) -> str:
         speed=speed_tables,
         answers=first_screen.answers(scene, study.peaks, units(study.reference)),
         engines=[*first_screen.engines(study)],
-        moving=MovingPicture(study, drawn),
+        moving=moving,
+        bench=Bench(study, moving),
         axis=axis(scene),
         position=position_name(scene),
         cycle=cycle_name(scene),

@@ -1,0 +1,62 @@
+"""The core's recorded line for a page: the same formulas as JavaScript, with the inputs that a script cannot find."""
+
+from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
+from typing import Any
+
+import numpy as np
+
+from scenes import Scene
+from scenes.drive import Samples
+from scenes.scene import PressForce
+
+from ..core.groups.group_equations import Group
+from ..solve import driven_at, solver
+from .arithmetics.in_javascript import script
+from .program import recorded
+from .traced import traced
+
+FIXED = ("drive.start",)  # positions are counted from there
+
+
+def page_program(
+    scene: Scene, channels: AbstractSet[str] | None, position: Samples, time: Samples
+) -> Mapping[str, Any] | None:
+    """Return what a page needs to solve a scene by itself; None of one with a larger group, which takes iterations.
+
+    Args:
+        scene: the mechanism.
+        channels: as of `solve`.
+        position: of the drive, rad or m, shape (n,).
+        time: the instants, s, shape (n,).
+
+    Returns:
+        `numbers`, the paths of the numbers that stay open, and their `values`, SI; `channels`, by name; `line`, the
+        text of a function of numbers, of arrays for each position, of arrays to fill, one a channel and the reach, and
+        of how many positions there are; `given`, the values of its arrays at these positions, by name; `strokes`, by
+        the input that each finds, the `text` of a function of the same kind, of its `numbers` and what is `given`, for
+        a slider's displacement, m, its rate and the sign in which it closes.
+
+    Raises:
+        Failure: as of `solver`.
+        InputError: as of `solver`.
+    """
+    core = solver(scene, channels)
+    if any(isinstance(group, Group) for group in core.linkage.groups):
+        return None
+    program = recorded(scene, scene.numbers.keys() - FIXED, core.request.channels)
+    line = script(program.rows)
+    _, driven = driven_at(scene, position, time)
+    given = {**core.given_at(position, time), **driven._asdict()}
+    presses = {place: load for place, load in program.scene.elements if isinstance(load, PressForce)}
+    sense = {place: traced(program.make, load.closing).x for place, load in presses.items()}
+    ends = {place: script([*of, sense[place]])._asdict() for place, of in program.strokes.items()}
+    values = {**{path: number.value for path, number in scene.numbers.items()}, **core.stroke_ends}
+    return {
+        "numbers": line.numbers,
+        "values": [float(values[name]) for name in line.numbers],
+        "channels": [*program.channels],
+        "line": line.text,
+        "given": {name: np.broadcast_to(given[name], position.shape) for name in line.given},
+        "strokes": ends,
+    }

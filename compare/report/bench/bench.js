@@ -1,0 +1,211 @@
+// What the reader changes: the picture, the curves and the peaks follow; nothing of it is cross-checked.
+const run = { numbers: numbers.slice(), ground: structuredClone(head.ground) }; // the reference's, as it was judged
+const posed = bench.channels.filter(channel => channel in place && /\.(x|y|angle)$/.test(channel));
+const grounded = bench.numbers.flatMap(({ path, value }, k) => {
+  const [table, , point, q] = path.split(".");
+  return table === "ground" ? [{ point, q, k, value }] : [];
+});
+
+const stand = rows => { // by sample, itself or the nearest one that has a pose
+  const poses = [...rows.at(-1).keys()].filter(n => rows.at(-1)[n] >= 0);
+  const nearer = (m, n) => best => (Math.abs(m - n) < Math.abs(best - n) ? m : best);
+  return rows[0].map((_, n) => (rows.at(-1)[n] >= 0 ? n : poses.reduce((best, m) => nearer(m, n)(best), poses[0] ?? -1)));
+};
+const fill = rows => {
+  const from = stand(rows);
+  bench.channels.forEach((channel, c) => channel in place && numbers.set(rows[c], place[channel]));
+  for (const channel of posed)
+    from.forEach((m, n) => (numbers[place[channel] + n] = m < 0 ? run.numbers[place[channel] + n] : rows[column[channel]][m]));
+  for (const { channel, on, way: [u, v], names } of bench.pushes) {
+    if (!(channel in column) || !(names[0] in place)) continue;
+    for (let n = 0; n < count; n++) {
+      const size = rows[column[channel]][n], turn = on ? rows[column[`${on}.angle`]][n] : 0;
+      numbers[place[names[0]] + n] = size * (u * Math.cos(turn) - v * Math.sin(turn));
+      numbers[place[names[1]] + n] = size * (u * Math.sin(turn) + v * Math.cos(turn));
+    }
+  }
+  for (const { point, q, k } of grounded) head.ground[point][q] = edited[k];
+};
+
+// --- the picture -----------------------------------------------------------------------------------------------------
+
+const shapes = Object.entries(bench.shapes).map(([body, points]) => [body, points, find(`[data-turn="${body}"] > :is(.bar, .plate)`)]);
+const ways = [...svg.querySelectorAll(".path")], ghost = made("path", svg.querySelector(".engines"), "before");
+const drawn = points => `M${points.map(point => point.map(z => z.toFixed(2)).join(" ")).join("L")}`;
+const judged = (point, n) => inPicture(...run.ground[point] ?? ["x", "y"].map(q => run.numbers[place[`${point}.${q}`] + n]));
+const reshape = n => { // bodies in their own frames, and as they were
+  for (const [body, points, path] of shapes) {
+    const [x, y] = at(points[0], n), angle = `${body}.angle` in place ? value(`${body}.angle`, n) : 0;
+    const c = Math.cos(angle), s = Math.sin(angle);
+    const own = ([a, b]) => [c * (a - x) - s * (b - y), s * (a - x) + c * (b - y)];
+    path.setAttribute("d", drawn(points.map(point => own(at(point, n)))));
+  }
+  ghost.setAttribute("d", isEdited ? shapes.map(([, points]) => drawn(points.map(point => judged(point, n)))).join("") : "");
+};
+followers.push(n => isEdited && reshape(n));
+
+// --- numbers in, numbers out -----------------------------------------------------------------------------------------
+
+const rowsIn = inTable(".numbers tbody").rows, rowsOut = inTable(".asked tbody").rows;
+const units = bench.asked.map((one, r) => {
+  const [was] = asked(one, design, rowsOfDesign), places = decimals(Math.abs(one.factor * was), 4);
+  rowsOut[r].cells[1].textContent = `${written(one.factor * was, places)} ${one.unit}`;
+  return { was, places };
+});
+const compare = () => bench.asked.forEach((one, r) => {
+  const [now, at] = asked(one, edited, rowsNow), { was, places } = units[r], [, , cell, change, where] = rowsOut[r].cells;
+  cell.textContent = isEdited ? `${written(one.factor * now, places)} ${one.unit}` : "";
+  const share = 100 * (Math.abs(now / was) - 1);
+  change.textContent = isEdited ? `${share < 0 ? "−" : "+"}${Math.abs(share).toFixed(1)} %` : "";
+  where.textContent = position(at);
+});
+
+const update = () => {
+  isEdited = edited.some((number, k) => number !== design[k] && bench.numbers[k].unit);
+  solve(edited, rowsNow);
+  if (isEdited) fill(rowsNow);
+  else numbers.set(run.numbers), Object.assign(head.ground, structuredClone(run.ground));
+  document.body.classList.toggle("edited", isEdited);
+  if (isEdited) force.value = force.value && 0, magnify.value = 0;
+  force.disabled = magnify.disabled = isEdited;
+  const open = [...rowsNow.at(-1).keys()].filter(n => !(rowsNow.at(-1)[n] >= 0));
+  inTable(".open").textContent = open.length
+    ? `It does not assemble at ${open.length} of ${count} positions, from ${position(open[0])} to ${position(open.at(-1))}: there the nearest pose is drawn.` : "";
+  ways.forEach((path, k) => path.setAttribute("d", drawn(rows.map(n => at(bench.paths[k], n)))));
+  reshape(now);
+  show(now);
+  compare();
+  plots.forEach(plot => plot.edit?.());
+  [...rowsIn].forEach(row => {
+    const { k } = row.dataset, box = row.querySelector("input");
+    if (box !== document.activeElement) box.value = +(edited[k] / bench.numbers[k].size).toPrecision(6);
+    row.classList.toggle("changed", edited[k] !== design[k]);
+  });
+  clearTimeout(later);
+  later = setTimeout(weigh, 250);
+};
+let later = 0;
+
+const STEP = 1e-4; // of a number, to either side
+const weigh = () => { // by what share the chosen number of the design changes with 1 % of each of its numbers
+  const one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
+  const size = () => {
+    solve(number, rows);
+    const sizes = rows[0].map((_, n) => measured[one.kind](one, rows, n));
+    return one.kind === "range" ? Math.max(...sizes) - Math.min(...sizes) : Math.abs(Math.max(...sizes));
+  };
+  const [now] = [size()], shares = [...rowsIn].map(({ dataset: { k } }) => {
+    const kept = number[k], [less, more] = [-1, 1].map(sign => {
+      number[k] = kept * (1 + sign * STEP);
+      return size();
+    });
+    number[k] = kept;
+    return kept ? (more - less) / (2 * STEP) / now : NaN; // of a zero there is no share
+  });
+  const most = Math.max(...shares.map(share => Math.abs(share) || 0));
+  [...rowsIn].forEach((row, r) => {
+    const [bar, figure] = row.lastElementChild.children;
+    bar.style.width = `${(4 * Math.abs(shares[r] / most) || 0).toFixed(2)}em`;
+    figure.textContent = Math.abs(shares[r]) >= 5e-4 ? `${shares[r] < 0 ? "−" : "+"}${Math.abs(shares[r]).toPrecision(2)} %` : "";
+  });
+};
+
+// --- dragging a pin changes the lengths and coordinates that lead to it, at the pose that is shown ----------------------
+
+const metres = event => {
+  const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+  return [x / head.perMetre + head.corner[0], head.corner[1] - y / head.perMetre];
+};
+const there = (point, n) => head.ground[point] ?? ["x", "y"].map(q => value(`${point}.${q}`, n));
+const along = ([x, y], [ax, ay], [u, v]) => [ax + u * ((x - ax) * u + (y - ay) * v), ay + v * ((x - ax) * u + (y - ay) * v)];
+const dragged = (point, goal, n) => {
+  for (const move of bench.points[point]) {
+    if (move.ground) {
+      move.ground.forEach((k, q) => k >= 0 && (edited[k] = goal[q]));
+      continue;
+    }
+    const from = there(point, n), angle = `${move.body}.angle` in place ? value(`${move.body}.angle`, n) : 0;
+    const c = Math.cos(angle), s = Math.sin(angle);
+    if (move.slide) { // on its guide
+      const turn = move.slide.on === "ground" ? 0 : value(`${move.slide.on}.angle`, n), [u, v] = move.slide.along;
+      goal = along(goal, from, [u * Math.cos(turn) - v * Math.sin(turn), u * Math.sin(turn) + v * Math.cos(turn)]);
+    } else if (move.local.length) {
+      const [dx, dy] = [goal[0] - from[0], goal[1] - from[1]];
+      [c * dx + s * dy, c * dy - s * dx].forEach((d, q) => (edited[move.local[q]] += d));
+    } else {
+      if (move.driven) { // its drive leaves it only its length
+        const pivot = there(move.lengths[0][1], n), length = Math.hypot(from[0] - pivot[0], from[1] - pivot[1]);
+        goal = along(goal, pivot, [(from[0] - pivot[0]) / length, (from[1] - pivot[1]) / length]);
+      }
+      for (const [k, other] of move.lengths) {
+        const end = there(other, n);
+        edited[k] = Math.hypot(goal[0] - end[0], goal[1] - end[1]);
+      }
+    }
+  }
+  update();
+};
+for (const pin of svg.querySelectorAll("[data-point]:has(> .pin)")) {
+  const { point } = pin.dataset;
+  if (!bench.points[point].length) continue;
+  pin.classList.add("draggable");
+  pin.addEventListener("pointerdown", event => {
+    stop();
+    pin.setPointerCapture(event.pointerId);
+    event.preventDefault();
+  });
+  pin.addEventListener("pointermove", event => pin.hasPointerCapture(event.pointerId) && dragged(point, metres(event), now));
+}
+
+// --- the file, and back ------------------------------------------------------------------------------------------------
+
+const toml = () => {
+  const tables = structuredClone(bench.tables);
+  bench.numbers.forEach(({ path, size, unit }, k) => {
+    if (edited[k] === design[k] || !unit) return;
+    const parts = path.split("."), last = parts.pop(), turned = last.split("-").reverse().join("-");
+    const table = parts.reduce((inner, part) => inner[part], tables);
+    table[turned in table ? turned : last] = +(edited[k] / size).toPrecision(12);
+  });
+  const isTable = v => v && typeof v === "object" && !Array.isArray(v), isList = v => Array.isArray(v) && v.every(isTable) && v.length;
+  const key = name => (/^[\w-]+$/.test(name) ? name : JSON.stringify(name));
+  const pairs = (v, gap) => Object.entries(v).map(([name, part]) => `${key(name)} = ${inline(part)}`).join(gap);
+  const inline = v => Array.isArray(v) ? `[${v.map(inline).join(", ")}]` : isTable(v) ? `{ ${pairs(v, ", ")} }` : JSON.stringify(v);
+  const lines = [];
+  const section = (name, v) => lines.push(`\n[${name}]\n${pairs(v, "\n")}`);
+  const plain = Object.entries(tables).filter(([name, v]) => name === "units" || !(isTable(v) || isList(v)));
+  lines.push(pairs({ ...Object.fromEntries(plain), name: `${bench.name}_edited` }, "\n"));
+  for (const [name, v] of Object.entries(tables)) {
+    if (name === "units") continue;
+    if (isList(v)) v.forEach(one => section(`[${name}]`, one));
+    else if (isTable(v) && Object.values(v).every(isTable)) Object.entries(v).forEach(([inner, one]) => section(`${key(name)}.${key(inner)}`, one));
+    else if (isTable(v)) section(key(name), v);
+  }
+  return `${lines.join("\n")}\n`;
+};
+
+inTable(".numbers").addEventListener("input", ({ target }) => {
+  const { k } = target.closest("tr").dataset, typed = target.valueAsNumber;
+  edited[k] = Number.isFinite(typed) ? typed * bench.numbers[k].size : design[k];
+  update();
+});
+inTable("[name=weighed]").onchange = weigh;
+document.querySelectorAll(".undo").forEach(button => (button.onclick = () => {
+  edited.set(design);
+  update();
+}));
+document.querySelectorAll(".copy").forEach(button => (button.onclick = async () => {
+  const box = document.querySelector("#scene-text");
+  box.value = toml();
+  box.closest("[hidden]")?.removeAttribute("hidden");
+  box.select();
+  await navigator.clipboard?.writeText(box.value).catch(() => {}); // else it is selected
+}));
+
+const away = selfDifference(), check = document.getElementById("self-check");
+const apart = `the numbers of the run to ${away.toExponential(0)} of each channel's peak`;
+check.dataset.difference = away;
+inTable(".controls").hidden = !(away <= LIMIT);
+check.textContent = away <= LIMIT ? `This page solves the linkage by itself, by the formulas of the reference. It has ${apart}.`
+  : `This page does not find ${apart}: nothing can be changed here.`;
+if (away <= LIMIT) update();

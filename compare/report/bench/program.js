@@ -1,0 +1,87 @@
+// The linkage solved in the page: the core's formulas as they were recorded, for numbers that the reader changes.
+const bench = JSON.parse(await unpacked("design"));
+const table = document.getElementById("bench"), inTable = selector => table.querySelector(selector);
+const index = Object.fromEntries(bench.numbers.map(({ path }, k) => [path, k]));
+const design = Float64Array.from(bench.numbers, ({ value }) => value), edited = design.slice();
+const given = Object.fromEntries(Object.entries(bench.given).map(([name, values]) => [name, Float64Array.from(values)]));
+const rate = index["drive.speed"];
+const compiled = text => new Function(`return ${text}`)();
+const line = compiled(bench.line), strokes = Object.entries(bench.strokes).map(([name, s]) => [name, s, compiled(s.text)]);
+const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new Float64Array(n)); // the last: the reach
+const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
+const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
+
+// --- the program -----------------------------------------------------------------------------------------------------
+
+const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a slider, as `analytic` finds it
+  const own = paths.map(path => number[index[path]]), of = { rate: 1, acceleration: 0 }, found = [[], [], []];
+  const [least, most] = bench.extent;
+  const at = position => {
+    run(own, names.map(name => [name in of ? of[name] : position]), found, 1);
+    return [found[2][0] * found[0][0], found[2][0] * found[1][0], found[2][0]]; // towards the closed end, its rate, sense
+  };
+  const way = Array.from({ length: WAY + 1 }, (_, n) => least + ((most - least) * n) / WAY);
+  const closed = way.map(position => at(position)[0]);
+  const last = closed.reduce((best, value, n) => (value > closed[best] || !(closed[best] === closed[best]) ? n : best), 0);
+  let [low, high] = [way[Math.max(last - 1, 0)], way[Math.min(last + 1, WAY)]];
+  const rising = at(low)[1] > 0;
+  if (rising !== at(high)[1] > 0)
+    for (let n = 0; n < HALVINGS; n++) at((low + high) / 2)[1] > 0 === rising ? (low = (low + high) / 2) : (high = (low + high) / 2);
+  return at(0)[2] * Math.max(closed[last], at((low + high) / 2)[0]);
+};
+
+const inputs = (number, of = values => values) => Object.entries(given).map(([name, values]) => {
+  const faster = name === "time" && rate !== undefined ? number[rate] / design[rate] : 1; // where a speed is edited
+  return faster === 1 ? of(values) : of(values).map(time => time / faster);
+});
+const solve = (number, rows) => {
+  for (const [name, stroke, run] of strokes) number[index[name]] = strokeEnd(number, stroke, run);
+  line(number, inputs(number), rows, count);
+  return rows;
+};
+const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
+const stops = rows => rowsOfDesign[0].findIndex((_, n) => !(rows.at(-1)[n] >= 0)); // the first sample without a pose
+
+const largest = values => values.reduce((most, v) => Math.max(most, v), 0); // NaN where there is one
+const selfDifference = () => { // the largest, as a part of each channel's peak
+  const parts = bench.channels.map((channel, c) => {
+    const own = rowsOfDesign[c], peakOf = bench.peaks[c], q = head.quanta[head.channels.indexOf(channel)];
+    const exact = bench.exact.rows.map((n, k) => Math.abs(own[n] - bench.exact.samples[c][k]));
+    const packed = q === undefined ? [] : [...own].map((v, n) => Math.max(Math.abs(v - value(channel, n)) - q, 0));
+    return largest([...exact, ...packed]) / peakOf;
+  });
+  return largest(parts);
+};
+
+// --- what a design is asked for --------------------------------------------------------------------------------------
+
+const FINER = 16, LEVELS = 4; // positions of a bracket, and brackets in each other
+const few = arrays(FINER + 1);
+const measured = { // of some rows at n
+  largest: ({ channels }, rows, n) => Math.hypot(...channels.map(c => rows[column[c]][n])),
+  least: ({ channels }, rows, n) => -Math.min(...channels.map(c => rows[column[c]][n])),
+  range: ({ channels, along }, rows, n) => channels.reduce((sum, c, k) => sum + along[k] * rows[column[c]][n], 0),
+};
+const refined = (number, of, best) => { // the largest near a sample: between samples where the drive's rate is known
+  if (!bench.steady) return of(rowsOf(number), best);
+  let [low, high, top] = [Math.max(best - 1, 0), Math.min(best + 1, count - 1), -Infinity];
+  for (let level = 0; level < LEVELS; level++) {
+    const places = Array.from({ length: FINER + 1 }, (_, k) => low + ((high - low) * k) / FINER);
+    const between = values => places.map(p => values[Math.floor(p)] * (1 - (p % 1)) + (values[Math.ceil(p)] ?? 0) * (p % 1));
+    line(number, inputs(number, between), few, FINER + 1);
+    const sizes = places.map((_, k) => of(few, k)), k = sizes.indexOf(Math.max(...sizes));
+    top = Math.max(top, sizes[k]);
+    [low, high] = [places[Math.max(k - 1, 0)], places[Math.min(k + 1, FINER)]];
+  }
+  return top;
+};
+const rowsOf = number => (number === edited ? rowsNow : rowsOfDesign);
+const asked = (one, number, rows) => { // SI, and the sample that is nearest
+  const of = (rows, n) => measured[one.kind](one, rows, n), sizes = rows[0].map((_, n) => of(rows, n));
+  const at = sizes.reduce((best, v, n) => (v > sizes[best] || !(sizes[best] === sizes[best]) ? n : best), 0);
+  const top = refined(number, of, at);
+  if (one.kind === "least") return [-top, at];
+  if (one.kind === "largest") return [one.channels.length > 1 ? top : top * Math.sign(rows[column[one.channels[0]]][at]), at];
+  const lowest = sizes.reduce((best, v, n) => (v < sizes[best] ? n : best), 0);
+  return [top + refined(number, (rows, n) => -of(rows, n), lowest), at];
+};

@@ -1,0 +1,260 @@
+"""The page solves the linkage: its numbers are the core's, before and after edits, and what is edited is marked."""
+
+import gzip
+import json
+import re
+from base64 import b64decode, b64encode
+from collections.abc import Iterator
+from importlib.resources import files as resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import analytic
+from analytic import page_program
+from compare.report.output import files
+from compare.report.plain import plain
+from scenes import Sampling, Scene, Status, load, shipped
+from scenes.drive import Samples
+from tests.comparisons import studied
+from tests.pages import silent
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytestmark = pytest.mark.browser
+
+SAMPLING = Sampling(120)
+LARGER = {"class_iii", "dump_truck", "scissor_lift"}  # with a group that is solved by Newton's method
+CLAMPS = {"double_toggle_clamp", "double_toggle_clamp_friction", "double_toggle_clamp_scheme4"}  # near a singular pose
+ROUND_OFF = 1e-9  # of a channel's scale: one that is less is nothing but round-off
+EDITS = 10  # of each of 20 scenes
+# What the page's script has around it in a report: where its data come from, and what the picture has read.
+STUB = """<script type=module>
+const unpacked = async () => document.getElementById("data").textContent, inflated = unpacked;
+const head = { quanta: [], channels: [] }, value = () => NaN, count = %d;
+document.body.append(Object.assign(document.createElement("div"), { id: "bench" }));
+%s
+window.after = numbers => solve(Float64Array.from(numbers), arrays(count)).map(row => [...row]);
+</script>"""
+
+
+@pytest.fixture(scope="module")
+def blank(browser: "Browser") -> "Iterator[Page]":
+    page = browser.new_page()
+    yield page
+    page.close()
+
+
+def solved_in(page: "Page", scene: Scene, folder: Path, numbers: Samples) -> tuple[list[str], Samples]:
+    """The channels, and what the page's program has for them and the reach, shape (edits, channels + 1, n)."""
+    position, time = SAMPLING.commanded(scene), SAMPLING.times(scene)
+    program = page_program(scene, None, position, time)
+    assert program is not None
+    named = [{"path": path, "value": value} for path, value in zip(program["numbers"], program["values"], strict=True)]
+    steady = type(scene.drive).__name__ == "ConstantSpeed"
+    data = {**program, "numbers": named, "extent": scene.drive.extent, "steady": steady}
+    script = resources("compare.report.bench").joinpath("program.js").read_text(encoding="utf-8")
+    text = f"<!doctype html><meta charset=utf-8><body><script type=json id=data>{json.dumps(plain(data))}</script>"
+    (folder / "page.html").write_text(text + STUB % (len(position), script), encoding="utf-8")
+    page.goto((folder / "page.html").as_uri())
+    page.wait_for_function("'after' in window")
+    rows = [page.evaluate("numbers => after(numbers)", list(own)) for own in numbers]
+    return program["channels"], np.array(rows, float)
+
+
+def dyads() -> list[str]:
+    return sorted(set(shipped()) - LARGER)
+
+
+def differences(channels: list[str], page: Samples, core: Any) -> Samples:
+    """By channel the largest difference, as a part of its peak, or of a billionth of the linkage's largest."""
+    truth = np.array([core[channel] for channel in channels])
+    largest: dict[str, float] = {}
+    for channel, values in zip(channels, truth, strict=True):
+        kind = channel.rpartition(".")[2]
+        largest[kind] = max(largest.get(kind, 0.0), float(np.abs(values).max()))
+    floor = np.array([ROUND_OFF * largest[channel.rpartition(".")[2]] + 1e-300 for channel in channels])
+    return np.asarray(np.abs(page[:-1] - truth).max(axis=1) / np.maximum(np.abs(truth).max(axis=1), floor))
+
+
+@pytest.mark.parametrize("name", dyads())
+def test_the_page_has_the_numbers_of_the_core(blank: "Page", name: str, tmp_path: Path) -> None:
+    """To 1e-12 of each channel's peak; of the clamps, whose forces are differences of large ones, to 2e-12."""
+    scene = load(name)
+    position, time = SAMPLING.commanded(scene), SAMPLING.times(scene)
+    program = page_program(scene, None, position, time)
+    assert program is not None
+    channels, (rows,) = solved_in(blank, scene, tmp_path, np.array([program["values"]]))
+    off = differences(channels, rows, analytic.solve(scene, position, time))
+    assert not ~(off <= (2e-12 if name in CLAMPS else 1e-12)).any(), channels[int(np.argmax(off))]
+    assert (rows[-1] >= 0).all()
+
+
+@pytest.mark.slow
+def test_the_page_has_the_numbers_of_the_core_after_edits(blank: "Page", tmp_path: Path) -> None:
+    """Of 200 machines, three numbers of each changed by some per cent, to 1e-10 where the core assembles them."""
+    random, compared = np.random.default_rng(29), 0
+    for name in dyads():
+        scene = load(name)
+        position, time = SAMPLING.commanded(scene), SAMPLING.times(scene)
+        program = page_program(scene, None, position, time)
+        assert program is not None
+        own = [k for k, path in enumerate(program["numbers"]) if path in scene.numbers and "along" not in path]
+        chosen = random.choice([k for k in own if program["values"][k]], 3, replace=False)
+        factors = 1 + 0.02 * random.standard_normal((EDITS, 3))
+        numbers = np.tile(program["values"], (EDITS, 1))
+        numbers[:, chosen] *= factors
+        paths = [program["numbers"][k] for k in chosen]
+        changes = {p: numbers[:, k] / scene.size(scene.numbers[p]) for p, k in zip(paths, chosen, strict=True)}
+        steady = type(scene.drive).__name__ == "ConstantSpeed"
+        core = analytic.solve_many(scene, changes, position, None if steady else time)
+        channels, rows = solved_in(blank, scene, tmp_path, numbers)
+        for machine in np.flatnonzero(core.ok).tolist():
+            one = {channel: core[channel][machine] for channel in channels}
+            off = differences(channels, rows[machine], one)
+            assert not ~(off <= 1e-10).any(), (name, paths, channels[int(np.argmax(off))], off.max())
+            compared += 1
+        for machine in np.flatnonzero(~core.ok).tolist():
+            if core.status[machine] is Status.cannot_assemble:
+                assert not (rows[machine, -1] >= 0).all(), (name, core.reason[machine])
+    assert compared >= 150
+
+
+def pin(page: "Page", point: str) -> complex:
+    """Where the picture shows a pin, px."""
+    box = page.locator(f"#linkage [data-point={point}] > .pin").bounding_box()
+    assert box is not None
+    return complex(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+
+
+def typed(page: "Page", path: str, value: float) -> None:
+    page.locator(f'#bench input[aria-label^="{path} in"]').fill(str(value))
+
+
+def now(page: "Page", name: str) -> list[str]:
+    """The cells of a row: as judged, now, change, where."""
+    return page.locator("#bench .asked tr", has_text=name).locator("td").all_text_contents()
+
+
+@pytest.fixture(scope="module")
+def bench(browser: "Browser", press_report: Path) -> "Iterator[Page]":
+    size = {"width": 1400, "height": 900}
+    with silent(browser, press_report / "report.html", viewport=size, reduced_motion="reduce") as page:
+        page.wait_for_selector("#bench .controls:not([hidden])")
+        yield page
+
+
+@pytest.fixture
+def undone(bench: "Page") -> "Iterator[Page]":
+    yield bench
+    if bench.locator(".undo").is_visible():
+        bench.locator(".undo").click()
+    assert "edited" not in (bench.locator("body").get_attribute("class") or "")
+
+
+def test_the_page_says_by_how_much_it_differs(bench: "Page") -> None:
+    assert float(bench.locator("#self-check").get_attribute("data-difference") or "nan") <= 1e-12
+
+
+def test_a_dragged_pin_is_where_the_pointer_is(undone: "Page") -> None:
+    start = pin(undone, "P3")
+    still = {point: pin(undone, point) for point in ("O", "P2", "P4", "P5")}
+    undone.mouse.move(start.real, start.imag)
+    undone.mouse.down()
+    undone.mouse.move(start.real - 12, start.imag + 15, steps=3)
+    undone.mouse.up()
+    assert abs(pin(undone, "P3") - (start + complex(-12, 15))) < 0.2
+    for point, place in still.items():
+        assert abs(pin(undone, point) - place) < 0.2, point
+
+
+def test_what_is_edited_is_marked_and_no_engine_has_a_number(undone: "Page") -> None:
+    assert not undone.get_by_text("Edited: not cross-checked").is_visible()
+    typed(undone, "bodies.slider.mass", 1600)
+    assert undone.get_by_text("Edited: not cross-checked").is_visible()
+    ok = undone.evaluate("getComputedStyle(document.querySelector('.verdict strong')).color")
+    soft = undone.evaluate("getComputedStyle(document.querySelector('header .soft')).color")
+    assert ok == soft, "no green"
+    engine = undone.locator(".readout tr", has_text="exudyn").first.locator("td").all_text_contents()
+    assert set(engine) == {"–"}
+
+
+def test_the_scene_that_is_copied_has_the_numbers_shown(undone: "Page", tmp_path: Path) -> None:
+    """Solved from its file, the design has the peaks that the page has, to the digits shown."""
+    typed(undone, "bodies.rod.lengths.P4-P5", 320)
+    typed(undone, "drive.speed", 75)
+    undone.locator(".copy").click()
+    (tmp_path / "edited.toml").write_text(undone.locator("#scene-text").input_value(), encoding="utf-8")
+    scene = load(tmp_path / "edited.toml")
+    motion = analytic.solve(scene, np.linspace(0, 2 * np.pi, 20001))
+    peak = np.hypot(motion["P1.fx"], motion["P1.fy"]).max() / 1e3
+    was, shown, change, _ = now(undone, "Pin P1")
+    assert abs(float(shown.split()[0]) - peak) <= 0.051
+    assert change == f"{100 * (peak / float(was.split()[0]) - 1):+.1f} %".replace("-", "−")
+    stroke = (motion["P5.y"].max() - motion["P5.y"].min()) * 1e3
+    assert abs(float(now(undone, "stroke")[1].split()[0]) - stroke) <= 0.051
+
+
+def test_a_design_that_does_not_assemble_keeps_the_nearest_pose(undone: "Page") -> None:
+    typed(undone, "bodies.rocker.lengths.O-P3", 150)
+    message = undone.locator("#bench .open").inner_text()
+    assert "does not assemble at" in message
+    assert all(np.isfinite(pin(undone, point)) for point in ("P3", "P4", "P5"))
+
+
+def test_all_can_be_undone(bench: "Page") -> None:
+    before = bench.locator("#linkage svg").inner_html()
+    typed(bench, "bodies.rod.lengths.P4-P5", 330)
+    assert bench.locator("#linkage svg").inner_html() != before
+    bench.locator(".undo").click()
+    places = bench.evaluate(
+        "[...document.querySelectorAll('#linkage [data-point]')].map(g => g.getAttribute('transform')).join()"
+    )
+    typed(bench, "bodies.rod.lengths.P4-P5", 300)
+    assert (
+        bench.evaluate(
+            "[...document.querySelectorAll('#linkage [data-point]')].map(g => g.getAttribute('transform')).join()"
+        )
+        == places
+    )
+    assert now(bench, "Pin P1")[1:3] == ["", ""]
+
+
+def test_the_numbers_that_move_a_peak_most_have_the_longest_bars(undone: "Page") -> None:
+    """By 1 % more of a length, against the core with that length."""
+    undone.locator("#bench [name=weighed]").select_option(label="Pin P1: ground on crank")
+    row = undone.locator("#bench .numbers tr", has=undone.locator('th:text-is("bodies.toggle.lengths.P2-P4")'))
+    shown = float(row.locator("span").inner_text().split()[0].replace("−", "-"))
+    position = np.linspace(0, 2 * np.pi, 3601)
+    core = analytic.solve_many(
+        load("toggle_press"), {"bodies.toggle.lengths.P2-P4": np.array([759.924, 760.076])}, position
+    )
+    low, high = np.hypot(core["P1.fx"], core["P1.fy"]).max(axis=1)
+    assert shown == pytest.approx((high - low) / 2e-4 / ((high + low) / 2), rel=0.05)
+
+
+def test_a_tampered_program_offers_nothing(browser: "Browser", press_report: Path, tmp_path: Path) -> None:
+    """With one digit of the judged numbers another, the page says so, and no number can be changed."""
+    text = (press_report / "report.html").read_text(encoding="utf-8")
+    packed = re.search(r'id="design">([^<]*)<', text)
+    assert packed is not None
+    data = json.loads(gzip.decompress(b64decode(packed[1])))
+    data["exact"]["samples"][3][5] *= 1 + 1e-9
+    text = text.replace(packed[1], b64encode(gzip.compress(json.dumps(data).encode())).decode())
+    (tmp_path / "report.html").write_text(text, encoding="utf-8")
+    with silent(browser, tmp_path / "report.html") as page:
+        page.wait_for_selector("#self-check[data-difference]", state="attached")
+        assert not page.locator("#bench .numbers").is_visible()
+        assert float(page.locator("#self-check").get_attribute("data-difference") or "nan") > 1e-11
+        assert page.locator("#self-check").is_visible()
+
+
+def test_a_linkage_with_a_larger_group_is_shown_and_not_edited(browser: "Browser", tmp_path: Path) -> None:
+    folder = files.write(studied(load("class_iii"), ["analytic"]), tmp_path)
+    with silent(browser, folder / "report.html") as page:
+        page.wait_for_selector("#linkage .player:not([hidden])")
+        assert "take iterations" in page.locator("#self-check").inner_text()
+        assert not page.locator("#bench").count()
