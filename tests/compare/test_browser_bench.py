@@ -118,7 +118,7 @@ def test_the_page_has_the_numbers_of_the_core_after_edits(blank: "Page", tmp_pat
             assert not ~(off <= 1e-10).any(), (name, paths, channels[int(np.argmax(off))], off.max())
             compared += 1
         for machine in np.flatnonzero(~core.ok).tolist():
-            if core.status[machine] is Status.cannot_assemble:
+            if core.status[machine] is Status.cannot_assemble and "expected" not in core.reason[machine]:
                 assert not (rows[machine, -1] >= 0).all(), (name, core.reason[machine])
     assert compared >= 150
 

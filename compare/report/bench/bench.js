@@ -75,7 +75,7 @@ const update = () => {
   reshape(now);
   show(now);
   compare();
-  plots.forEach(plot => plot.edit?.());
+  edits.forEach(redraw => redraw());
   [...rowsIn].forEach(row => {
     const { k } = row.dataset, box = row.querySelector("input");
     if (box !== document.activeElement) box.value = +(edited[k] / bench.numbers[k].size).toPrecision(6);

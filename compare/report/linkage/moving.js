@@ -67,20 +67,46 @@ const pose = n => {
 };
 
 const vector = (arrow, n, engine) => arrow.components.map(channel => value(channel, n, engine));
-const newtons = size => `${(size * head.newton[0]).toPrecision(3)} ${head.newton[1]}`;
+const digits = (v, count) => Number(v.toPrecision(count)).toLocaleString("en", { maximumFractionDigits: decimals(v, count) });
+const newtons = size => `${digits(size * head.newton[0], 3)} ${head.newton[1]}`;
 const forces = [...svg.querySelectorAll(".force:has(.head)")]; // not moments, whose arrows are of one size
 const arrows = forces.map((group, k) => {
   const text = made("g", svg, "");
-  forces[0].before(text); // under the arrows
+  made("title", text, "").textContent = `${head.arrows[k].load ? "" : "force of "}${head.arrows[k].name}`;
   return { ...head.arrows[k], group, text: made("text", text, `sign value${head.arrows[k].load ? " load" : ""}`) };
 });
+
+// A value stands at its arrow's tip, or near it where that is taken: by a name, a pin or the value of another arrow.
+const HIGH = 15, LETTER = 7.3, BOLD = 9; // px, of a line of text; wide, of a letter of a value, and of a name
+const GAPS = [6, 18, 32, 48, 66, 90], TURNS = [0, 40, -40, 80, -80, 120, -120, 160, -160].map(turn => turn / degrees);
+const clear = (a, b) => Math.abs(a.x - b.x) >= (a.wide + b.wide) / 2 || Math.abs(a.y - b.y) >= (a.high + b.high) / 2;
+const pins = [...svg.querySelectorAll("[data-point]:has(> .name)")].map(group => {
+  const name = group.querySelector(".name"), wide = name.textContent.length * BOLD;
+  const aside = { start: wide / 2, end: -wide / 2, middle: 0 }[name.getAttribute("text-anchor")];
+  const at = [Number(name.getAttribute("x")) + aside, Number(name.getAttribute("y")) - 5];
+  return { point: group.dataset.point, at, wide };
+});
+const taken = (n, px) => pins.flatMap(({ point, at: [dx, dy], wide }) => {
+  const [x, y] = at(point, n);
+  return [{ x: x + dx * px, y: y + dy * px, wide: wide * px, high: HIGH * px }, { x, y, wide: 12 * px, high: 12 * px }];
+});
+const freePlace = ([x, y], [u, v], letters, others, px) => {
+  const { width, height } = svg.viewBox.baseVal, wide = letters * LETTER * px, high = HIGH * px;
+  const places = GAPS.flatMap(gap => TURNS.map(turn => {
+    const [c, s] = [Math.cos(turn), Math.sin(turn)], p = u * c - v * s, q = u * s + v * c;
+    return { x: x + p * (gap * px + Math.abs(p) * wide / 2), y: y + q * (gap * px + Math.abs(q) * high / 2), wide, high };
+  }));
+  const inside = box => Math.abs(box.x - width / 2) <= (width - wide) / 2 && Math.abs(box.y - height / 2) <= (height - high) / 2;
+  return places.find(box => inside(box) && others.every(other => clear(box, other)));
+};
+
 const pull = (n, engine) => {
-  const px = Number(svg.style.getPropertyValue("--px"));
+  const px = Number(svg.style.getPropertyValue("--px")), others = taken(n, px);
   for (const arrow of arrows) {
     const [fx, fy] = vector(arrow, n, +engine), size = Math.hypot(fx, fy);
     const length = size * head.perNewton * head.perMetre, shown = engine !== "" && length > 2 * px;
     arrow.group.style.display = shown ? "" : "none";
-    arrow.text.style.display = shown && length > 24 * px ? "" : "none";
+    arrow.text.style.display = shown ? "" : "none";
     if (!shown) continue;
     const [u, v] = [fx / size, -fy / size], [, shaft, tip] = arrow.group.children, [cx, cy] = at(arrow.point, n);
     const aside = arrow.moment ? (head.larger * head.perMetre * (value(arrow.moment, n, +engine) || 0)) / size : 0;
@@ -88,10 +114,13 @@ const pull = (n, engine) => {
     arrow.group.setAttribute("transform", `translate(${x} ${y}) rotate(${degrees * Math.atan2(v, u)})`);
     shaft.setAttribute("transform", `scale(${length} 1)`);
     tip.setAttribute("transform", `translate(${arrow.load ? 0 : length} 0) scale(${Math.min(length / (11 * px), 1)})`);
-    const end = arrow.load ? -length - 8 * px : length + 6 * px;
-    arrow.text.parentNode.setAttribute("transform", `translate(${x + end * u} ${y + end * v + 4 * px})`);
-    arrow.text.setAttribute("text-anchor", Math.abs(u) < 0.4 ? "middle" : u > 0 === arrow.load ? "end" : "start");
     arrow.text.textContent = newtons(size);
+    const way = arrow.load ? -1 : 1, end = [x + way * length * u, y + way * length * v];
+    const box = freePlace(end, [way * u, way * v], arrow.text.textContent.length, others, px);
+    arrow.text.style.display = box ? "" : "none";
+    if (!box) continue;
+    others.push(box);
+    arrow.text.parentNode.setAttribute("transform", `translate(${box.x} ${box.y + 4 * px})`);
   }
 };
 
@@ -126,7 +155,7 @@ const words = (n, engine) => {
 const [force, magnify, sketch, slider, output] =
   ["[name=force]", "[name=magnify]", "[name=sketch]", "[type=range]", "output"].map(find);
 const plots = new Map(); // by the section that has it
-const followers = []; // what else is drawn anew for a sample
+const followers = [], edits = []; // what else is drawn anew for a sample, and for another design
 let now = 0, marked = "";
 
 const show = n => {

@@ -125,8 +125,28 @@ class MovingPicture:
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
             "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
             "outlines": outlines(drawing),
+            "vectors": self.vectors,
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
+
+    @cached_property
+    def vectors(self) -> list[dict[str, Any]]:
+        """What a polar diagram can be drawn of: the forces of pins, with their bodies, and the output's velocity."""
+        scene, named = self.study.scene, units(self.study.reference)
+        drawn = [
+            {"name": f"force at pin {pin.channel}", "at": pin.point, "bodies": [pin.first, pin.second]}
+            | dict(zip(("factor", "unit"), named["N"], strict=True))
+            | {"channels": [f"{pin.channel}.f{q}" for q in "xy"]}
+            for pin in scene.pins
+        ]
+        rate = {
+            "name": f"velocity of {scene.output}",
+            "at": "",
+            "bodies": [],
+            "channels": [f"{scene.output}.v{q}" for q in "xy"],
+        }
+        drawn.append(rate | dict(zip(("factor", "unit"), named["m/s"], strict=True)))
+        return [vector for vector in drawn if {*vector["channels"]} <= {*self._channels}]
 
     @property
     def magnified(self) -> Iterator[tuple[float, str]]:
