@@ -145,14 +145,8 @@ const show = n => {
 class Plot {
   constructor(section, panel) {
     this.plot = section.querySelector(".plot");
-    this.line = document.createElement("div");
-    this.line.className = "cursor";
     if (panel >= 0) this.cells = this.table(section, panel);
-    this.plot.addEventListener("drawn", () => {
-      this.plot.append(this.line);
-      this.plot.on("plotly_relayout", () => this.show(now)); // after a zoom
-      this.show(now);
-    });
+    this.plot.addEventListener("drawn", () => this.show(now));
     seen.observe(section);
     plots.set(section, this);
     for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
@@ -185,27 +179,24 @@ class Plot {
     return cells;
   }
 
-  get axis() {
-    const layout = this.plot._fullLayout;
-    return layout && [layout.xaxis, layout.xaxis2].find(across => across?.title.text === axis.title);
+  get drawn() { // where it is over the drive
+    return this.plot.plot?.over === axis.title ? this.plot.plot : null;
   }
 
   show(n) {
     if (this.near) this.cells?.forEach(([cell, text]) => (cell.textContent = text(n)));
-    const across = this.axis;
-    if (!across) return;
-    const { t, h } = this.plot._fullLayout._size, x = across.l2p(over(n));
-    this.line.hidden = x < -1 || x > across._length + 1; // beyond what a zoom shows
-    this.line.style.cssText = `top: ${t}px; height: ${h}px; transform: translateX(${across._offset + x}px)`;
+    this.drawn?.show(over(n));
   }
 
-  handleEvent(event) {
-    const across = this.axis;
-    if (!across || this.plot._fullLayout.dragmode) return;
-    if (event.type === "pointerleave") return this.show(now);
-    const n = nearest(across.p2l(event.clientX - this.plot.getBoundingClientRect().left - across._offset));
-    if (event.type === "pointerdown" && event.target.closest(".nsewdrag")) this.plot.setPointerCapture(event.pointerId);
-    if (this.plot.hasPointerCapture(event.pointerId)) scrub(n); // begun inside the axes: buttons and legend have theirs
+  handleEvent({ type, target, clientX, pointerId }) {
+    if (!this.drawn || this.drawn.zooms) return;
+    if (type === "pointerleave") return this.show(now);
+    const inside = target.closest(".u-over"); // buttons and legend have theirs
+    if (type === "pointerdown" && inside) this.plot.setPointerCapture(pointerId);
+    const held = this.plot.hasPointerCapture(pointerId);
+    if (!held && !inside) return;
+    const n = nearest(this.drawn.at(clientX));
+    if (held) scrub(n);
     else this.show(n);
   }
 }
