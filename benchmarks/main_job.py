@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from tests.killed import completed
 
-IMPORTS = "import numpy, scipy, pandas, plotly, exudyn, pymunk, pint, pydantic"
+IMPORTS = "import numpy, scipy, pandas, exudyn, pymunk, pint, pydantic"
 JOBS: Mapping[str, Sequence[str]] = {
     "compare.run": ["-m", "compare.run"],
     "compare.run --engines analytic": ["-m", "compare.run", "--engines", "analytic"],

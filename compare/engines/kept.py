@@ -33,7 +33,7 @@ from . import registry
 from .outside import StandIn, stand_in, standing
 
 PACKAGES = ("analytic", "compare", "scenes", "sim_models")
-REPORTED = ("linkage-crosscheck", "numpy", "scipy", "pandas", "plotly")  # besides what the engines name
+REPORTED = ("linkage-crosscheck", "numpy", "scipy", "pandas", "uplot-python")  # besides what the engines name
 KINDS = {kind.__name__: kind for kind in (dict, frozenset, tuple)}
 ARRAYS = "biufc"  # kinds of NumPy's types that are numbers
 MOST = 2**26  # bytes of a line: a member of a family has 2**20 at 360 samples

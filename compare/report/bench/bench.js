@@ -91,7 +91,7 @@ const weigh = () => { // by what share the chosen number of the design changes w
   const one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
   const size = () => {
     solve(number, rows);
-    const sizes = rows[0].map((_, n) => measured[one.kind](one, rows, n));
+    const of = measured(one, rows), sizes = rows[0].map((_, n) => of(n));
     return one.kind === "range" ? Math.max(...sizes) - Math.min(...sizes) : Math.abs(Math.max(...sizes));
   };
   const [now] = [size()], shares = [...rowsIn].map(({ dataset: { k } }) => {

@@ -57,19 +57,20 @@ const selfDifference = () => { // the largest, as a part of each channel's peak
 
 const FINER = 16, LEVELS = 4; // positions of a bracket, and brackets in each other
 const few = arrays(FINER + 1);
-const measured = { // of some rows at n
-  largest: ({ channels }, rows, n) => Math.hypot(...channels.map(c => rows[column[c]][n])),
-  least: ({ channels }, rows, n) => -Math.min(...channels.map(c => rows[column[c]][n])),
-  range: ({ channels, along }, rows, n) => channels.reduce((sum, c, k) => sum + along[k] * rows[column[c]][n], 0),
+const measures = { // of some channels, at n
+  largest: (_, x, y) => n => (y ? Math.sqrt(x[n] * x[n] + y[n] * y[n]) : Math.abs(x[n])),
+  least: (_, ...all) => n => all.reduce((least, values) => Math.max(least, -values[n]), -Infinity),
+  range: ([u, v], x, y) => n => u * x[n] + v * y[n],
 };
+const measured = ({ kind, along, channels }, rows) => measures[kind](along, ...channels.map(channel => rows[column[channel]]));
 const refined = (number, of, best) => { // the largest near a sample: between samples where the drive's rate is known
-  if (!bench.steady) return of(rowsOf(number), best);
+  if (!bench.steady) return of(rowsOf(number))(best);
   let [low, high, top] = [Math.max(best - 1, 0), Math.min(best + 1, count - 1), -Infinity];
   for (let level = 0; level < LEVELS; level++) {
     const places = Array.from({ length: FINER + 1 }, (_, k) => low + ((high - low) * k) / FINER);
     const between = values => places.map(p => values[Math.floor(p)] * (1 - (p % 1)) + (values[Math.ceil(p)] ?? 0) * (p % 1));
     line(number, inputs(number, between), few, FINER + 1);
-    const sizes = places.map((_, k) => of(few, k)), k = sizes.indexOf(Math.max(...sizes));
+    const there = of(few), sizes = places.map((_, k) => there(k)), k = sizes.indexOf(Math.max(...sizes));
     top = Math.max(top, sizes[k]);
     [low, high] = [places[Math.max(k - 1, 0)], places[Math.min(k + 1, FINER)]];
   }
@@ -77,11 +78,11 @@ const refined = (number, of, best) => { // the largest near a sample: between sa
 };
 const rowsOf = number => (number === edited ? rowsNow : rowsOfDesign);
 const asked = (one, number, rows) => { // SI, and the sample that is nearest
-  const of = (rows, n) => measured[one.kind](one, rows, n), sizes = rows[0].map((_, n) => of(rows, n));
+  const of = rows => measured(one, rows), here = of(rows), sizes = rows[0].map((_, n) => here(n));
   const at = sizes.reduce((best, v, n) => (v > sizes[best] || !(sizes[best] === sizes[best]) ? n : best), 0);
   const top = refined(number, of, at);
   if (one.kind === "least") return [-top, at];
   if (one.kind === "largest") return [one.channels.length > 1 ? top : top * Math.sign(rows[column[one.channels[0]]][at]), at];
   const lowest = sizes.reduce((best, v, n) => (v < sizes[best] ? n : best), 0);
-  return [top + refined(number, (rows, n) => -of(rows, n), lowest), at];
+  return [top + refined(number, rows => n => -of(rows)(n), lowest), at];
 };

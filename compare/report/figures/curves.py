@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -168,23 +167,10 @@ def assur_groups(study: Study) -> Figure | None:
             number = joints.index(joint)
             line = {"color": colour(number), "dash": DASHES[number // len(style.COLOURS) % len(DASHES)]}
             draw(figure, joint, over, values, row, line=line)
-        vertical = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
-        if measured == "to_lock":
-            vertical = {"title": f"distance [{metres}]"} | _logarithmic(np.array(list(curves.values())))
-        figure.update_yaxes(**vertical, panel=row)
+        angle = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
+        figure.update_yaxes(angle if measured == "transmission" else LOG | {"title": f"distance [{metres}]"}, panel=row)
     drive_axes(figure, study.scene, study.sampling.turns, len(rows))
-    return figure.update_layout(layout((300, 480)[len(rows) - 1]))
-
-
-def _logarithmic(values: Samples) -> dict[str, Any]:
-    """A log axis; where the values span few decades it has marks at 1, 2 and 5, where its own are too few."""
-    powers = np.log10(values[(values > 0) & np.isfinite(values)])
-    marks = np.outer(10.0 ** np.arange(-12, 12), (1, 2, 5)).ravel()
-    near = [m for m in marks if powers.size and powers.min() - 0.4 < np.log10(m) < powers.max() + 0.4]
-    if not 1 < len(near) < 8:
-        return LOG | {"dtick": 1}
-    ends = [*np.log10([0.9 * near[0], near[-1]])]
-    return LOG | {"range": ends, "tickvals": near, "ticktext": [f"{m:g}" for m in near]}
+    return figure.update_layout(layout((300, 480)[len(rows) - 1]), hovermode="closest")
 
 
 def over_distance(study: Study) -> Figure | None:
@@ -208,7 +194,7 @@ def over_distance(study: Study) -> Figure | None:
             draw(figure, engine, distance, shown, column, mode="markers", marker=mark)
         explained = np.max([study.explained.error(channel) for channel in channels[group]], axis=0)
         draw(figure, style.ROUND_OFF, distance[order], explained[order], column, line=BOUND)
-    style.error_axes(figure, f"distance to the singular configuration [{metres}]" if locks else "1/κ [-]")
+    style.error_axes(figure, f"distance [{metres}]" if locks else "1/κ [-]")
     return figure.update_layout(layout(380, titled=True))
 
 
@@ -218,8 +204,8 @@ def friction(study: Study) -> Figure:
     over, taken = axis(scene).of(motion), losses(scene, motion)
     factor, watts = prefixed(float(np.abs(motion["friction.power"]).max()), "W")
     for number, (joint, power) in enumerate(taken.items()):
-        stack = {"stackgroup": "losses", "stackgaps": "interpolate"}  # of curves that are thinned each by itself
-        draw(figure, joint, over, factor * power, 1, line={"color": colour(number), "width": 0.5}, **stack)
+        line = {"color": colour(number), "width": 0.5}
+        draw(figure, joint, over, factor * power, 1, line=line, stackgroup="losses")
     effort = scene.effort_channel
     factor, unit = units(study.reference)[UNITS[quantity(effort)]]
     draw(figure, "with friction", over, factor * motion[effort], 2, line={"color": DARK_GREY})
@@ -228,4 +214,4 @@ def friction(study: Study) -> Figure:
     figure.update_yaxes(title=f"losses [{watts}]", panel=1)
     figure.update_yaxes(title=f"{effort} [{unit}]", panel=2)
     drive_axes(figure, scene, study.sampling.turns, 2)
-    return figure.update_layout(layout(480))
+    return figure.update_layout(layout(480), hovermode="closest")

@@ -1,4 +1,4 @@
-"""A figure as plain data, in plotly's names: its script draws it in the page, its library takes long to import here.
+"""A figure as plain data, in plotly's names: `pages/plots.js` draws it in a page, plotly itself in a notebook.
 
 Fewer points of a curve are drawn without losing an extreme: of each stretch the first, last, least and largest (M4).
 After Jugel et al. (2014), doi:10.14778/2732951.2732953.
@@ -8,7 +8,6 @@ import json
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partialmethod
-from importlib.resources import files
 from itertools import accumulate, product
 from typing import Any, Self, TypeAlias
 
@@ -21,11 +20,7 @@ from ..plain import plain
 
 Attributes: TypeAlias = Mapping[str, Any]  # as plotly names them
 
-TEMPLATE = "plotly_white"
-TYPES = {"f4", "f8", "i1", "i2", "i4", "u1", "u2", "u4"}  # of arrays that plotly's script takes as bytes
-# Every button by name, so that none comes in with another version of plotly; nothing in a figure leads to another host.
-BUTTONS = [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "autoScale2d", "resetScale2d"]]
-CONFIG = {"modeBarButtons": BUTTONS, "displaylogo": False, "showSendToCloud": False, "plotlyServerURL": ""}
+TYPES = {"f4", "f8", "i1", "i2", "i4", "u1", "u2", "u4"}  # of arrays that a script takes as bytes
 CURVE = 2000  # points at most
 PAGE = 80_000  # of all curves; a point is 6 to 11 bytes of the page
 OF_A_STRETCH = 8  # ends, least, largest and gap of both coordinates; mostly four, where one of them only grows
@@ -70,7 +65,7 @@ class Figure:
         return self
 
     def json(self, most: int = CURVE) -> str:
-        """What plotly's script draws in the look of `template`, with at most so many points a curve."""
+        """What the script of a page draws, with at most so many points a curve."""
         return json.dumps(plain({"data": thinned(self.traces, most, np.float32), "layout": self.layout}, _bytes))
 
 
@@ -169,13 +164,8 @@ def _is_curve(trace: Attributes) -> bool:
     return trace["type"] == "scatter" and "text" not in trace and len(trace["x"]) > 0
 
 
-def template() -> str:
-    """The look of figures by plotly, as JSON, without the library."""
-    return (files("plotly") / f"package_data/templates/{TEMPLATE}.json").read_text(encoding="utf-8")
-
-
 def _bytes(values: NDArray[Any]) -> Any:
-    """An array as plotly's script takes it."""
+    """An array as a script takes it."""
     if (kind := values.dtype.str[1:]) not in TYPES:
         return plain(values)
     packed = {"dtype": kind, "bdata": b64encode(np.ascontiguousarray(values).data).decode()}

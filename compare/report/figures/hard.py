@@ -1,6 +1,6 @@
 """Figures of hard cases: their errors, and maps of where engines are stable, failures being grey with a letter."""
 
-from collections.abc import Collection, Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from textwrap import wrap
 from typing import Any
 
@@ -13,20 +13,17 @@ from ...measure.hard.case import Outcome
 from ...mechanics.mechanics import SHOWN_GROUPS
 from ...mechanics.round_off import EPS
 from .figure import Figure, draw, side_by_side
-from .style import BOUND, colour, error_axes, layout
+from .style import BOUND, categories, colour, error_axes, graded, layout
 
 LETTERS = dict(zip([*Status][1:], "UABJSDNIOFTC", strict=True))  # of statuses other than ok, in their order
 TITLES: Mapping[str, tuple[str, str]] = {
     "sweeps": ("Stability: steps and sweeps", "sweeps per step"),
-    "lock": ("Stability: steps and distance to the singular configuration", "distance to singular configuration"),
-    "mass": ("Stability: steps and mass ratio", "factor of the heaviest body's mass"),
+    "lock": ("Stability: steps and distance to the singular configuration", "distance"),
+    "mass": ("Stability: steps and a factor of the heaviest body's mass", "factor of the mass"),
     "drift": ("Stability: steps and cycles; error of positions in the last cycle", "cycles"),
 }
 SYMBOLS = dict(zip(Outcome, ("circle", "x-thin-open", "diamond-open", "star", "square-open"), strict=True))
-TINY = 1e-16  # an error of zero has no logarithm
-TICKS = {"tickvals": [*range(-6, 1)], "ticktext": [f"1e{n}" for n in range(-6, 1)]}  # powers of ten
-SCALE = {"cmin": -6, "cmax": 0, "colorscale": "Viridis", "colorbar": {"title": "error"} | TICKS}
-GREYED = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
+LEAST, FAILED = 1e-6, "#d0d0d0"  # error with the first colour of the scale; colour of a failure
 
 
 def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
@@ -39,36 +36,28 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
             rows = cells[cells["engine"] == engine]
             for trace in _traces(rows):
                 figure.add(trace, column)
-            figure.update_xaxes(_ticks(dict.fromkeys(rows["label"])), title=across, panel=column)
+            figure.update_xaxes(categories(dict.fromkeys(rows["label"])), title=across, panel=column)
         figure.update_xaxes(showgrid=False, zeroline=False)
-        figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False)
+        figure.update_yaxes(categories(steps), showgrid=False, zeroline=False)
         figure.update_yaxes(title="steps per cycle", panel=figure.left)
         ended = {*cells["status"]}
         key = [f" · {letter}: {status.name}" for status, letter in LETTERS.items() if status.name in ended]
         figure.note(f"Largest relative error{''.join(key)}", x=0, y=0, yshift=-82, xref="paper", yref="paper")
         figure.update_layout(layout(190 + 42 * len(steps), titled=True))
-        yield title, figure.update_layout({"coloraxis": SCALE, "margin": {"b": 100}})
-
-
-def _ticks(labels: Collection[object]) -> dict[str, Any]:
-    return {"tickvals": [*range(len(labels))], "ticktext": [*labels], "range": [-0.5, len(labels) - 0.5]}
+        yield title, figure.update_layout(margin={"b": 100})
 
 
 def _traces(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    """Yield the cells of one engine that were solved, those that failed, and the boundary by theory."""
+    """Yield the cells of one engine, with their colours as `meta`, and the boundary by theory."""
     labels, steps = [*dict.fromkeys(rows["label"])], sorted(set(rows["steps"]))
-    fine = rows["status"] == Status.ok.name
-    for shown, style in ((rows[fine], {"coloraxis": "coloraxis"}), (rows[~fine], GREYED)):
-        shape = len(steps), len(labels)
-        z, text, hover = np.full(shape, np.nan), np.full(shape, "", object), np.full(shape, "", object)
-        for cell in shown.to_dict("records"):
-            place, error = (steps.index(cell["steps"]), labels.index(cell["label"])), cell["error"]
-            z[place] = np.log10(max(error, TINY)) if error == error else 0.0
-            rounded = f"{error:.0e}".replace("e-0", "e-").replace("e+00", "")
-            text[place], hover[place] = LETTERS.get(Status[str(cell["status"])], rounded), _hover(cell)
-        cells = {"type": "heatmap", "z": z, "text": text, "customdata": hover, "texttemplate": "%{text}"}
-        hovering = {"hovertemplate": "%{customdata}<extra></extra>", "hoverongaps": False}
-        yield cells | hovering | {"xgap": 1, "ygap": 1} | style
+    text, hover, shade = (np.full((len(steps), len(labels)), "", object) for _ in range(3))
+    for cell in rows.to_dict("records"):
+        place, error = (steps.index(cell["steps"]), labels.index(cell["label"])), cell["error"]
+        rounded = f"{error:.0e}".replace("e-0", "e-").replace("e+00", "")
+        text[place], hover[place] = LETTERS.get(Status[str(cell["status"])], rounded), _hover(cell)
+        fine = cell["status"] == Status.ok.name
+        shade[place] = graded(1 - np.log10(min(max(error, LEAST), 1.0)) / np.log10(LEAST)) if fine else FAILED
+    yield {"type": "heatmap", "text": text, "customdata": hover, "meta": shade, "hovertemplate": "%{customdata}"}
     if "needed" in rows and rows["needed"].notna().any():
         yield _boundary(rows)
 
@@ -87,7 +76,8 @@ def _boundary(rows: pd.DataFrame) -> dict[str, Any]:
     x = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
     line = {"mode": "lines", "line": {"color": colour(1), "width": 3, "dash": "dash"}, "showlegend": True}
     x, y = [x[0], *x, x[-1]], [-0.5, *range(len(needed)), len(needed) - 0.5]
-    return {"type": "scatter", "x": x, "y": y, "name": "enough by theory: ρ^sweeps ≤ 1 / (1 + β)"} | line
+    name = "enough by theory: ρ^sweeps ≤ 1 / (1 + β)"
+    return {"type": "scatter", "x": x, "y": y, "name": name, "legendgroup": name} | line
 
 
 def over_condition(cases: pd.DataFrame) -> Figure | None:

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from math import ceil, pi, sqrt
 
 import numpy as np
-from plotly.colors import sample_colorscale
 
 from ...measure.many.family import Cycle, Family, Member
 from ...measure.many.study import MonteCarlo
@@ -13,7 +12,7 @@ from ..numbers import capital
 from ..tables.family import label, names
 from ..tables.monte_carlo import moving, shown_units
 from .figure import Figure, draw, grid
-from .style import DARK_GREY, DASHES, LEGEND_BESIDE, colour, drive_axes, layout
+from .style import DARK_GREY, DASHES, LEGEND_BESIDE, categories, colour, drive_axes, graded, layout
 
 MOST_LINES = 25
 STRIDE = 10  # samples of the cycle to a point of a line
@@ -39,7 +38,7 @@ def curves(family: Family) -> Figure:
         figure.update_yaxes(title=f"{name} [{unit}]", panel=number)
     drive_axes(figure, family.scene)
     arranged = layout(60 + 380 * ceil(len(units) / 2)) | {"legend": LEGEND_BESIDE}
-    return figure.update_layout(arranged, hovermode="closest")
+    return figure.update_layout(arranged, hovermode="closest", dragmode="zoom")
 
 
 def drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:
@@ -55,7 +54,7 @@ def _line(family: Family, member: Member) -> dict[str, object]:
     value, *rest = member.changes.values()
     share = (value - min(first)) / ((max(first) - min(first)) or 1.0)
     dash = DASHES[sorted(set(others[0])).index(rest[0]) % len(DASHES)] if rest else DASHES[0]
-    return {"color": sample_colorscale("Viridis", 0.9 * share)[0], "dash": dash, "width": 1.5}  # its end is too pale
+    return {"color": graded(0.9 * share), "dash": dash, "width": 1.5}  # its end is too pale
 
 
 def histograms(study: MonteCarlo) -> Figure:
@@ -88,10 +87,10 @@ def variance_shares(study: MonteCarlo) -> Figure:
     left = np.zeros(len(shown))
     for number, (name, path) in enumerate(zip(names(varied), (v.path for v in varied), strict=True)):
         share = np.array([100 * s.shares[path] for s in shown])
-        bar = {"type": "bar", "orientation": "h", "name": name, "x": share, "y": [capital(s.name) for s in shown]}
+        bar = {"type": "bar", "orientation": "h", "name": name, "x": share, "y": np.arange(len(shown))}
         shade = {"color": colour(number), "opacity": 1.0 if number < SHADES else 0.5}
         figure.add(bar | {"base": left.copy(), "marker": shade, "legendgroup": name, "showlegend": True}, 1)
         left += share
     figure.update_xaxes(title="share of the variance [%]", range=[0, 100])
-    figure.update_yaxes(automargin=True)
+    figure.update_yaxes(categories([capital(s.name) for s in shown]), automargin=True)
     return figure.update_layout(layout(140 + 26 * len(shown)) | {"legend": LEGEND_BESIDE, "barmode": "overlay"})

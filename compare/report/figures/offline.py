@@ -4,7 +4,12 @@ from functools import partialmethod
 
 from plotly.graph_objects import Figure as PlotlyFigure
 
-from .figure import CONFIG, TEMPLATE, Figure, thinned
+from .figure import Figure, thinned
+
+TEMPLATE = "plotly_white"
+# Every button by name, so that none comes in with another version of plotly; nothing in a figure leads to another host.
+BUTTONS = [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "autoScale2d", "resetScale2d"]]
+CONFIG = {"modeBarButtons": BUTTONS, "displaylogo": False, "showSendToCloud": False, "plotlyServerURL": ""}
 
 
 class Offline(PlotlyFigure):  # type: ignore[misc]

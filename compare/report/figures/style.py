@@ -1,6 +1,9 @@
 """The look of every figure: colours, symbols, lines, log axes, margins."""
 
+from collections.abc import Collection
 from typing import Any
+
+import numpy as np
 
 from scenes import Scene
 from scenes.scene import ConstantSpeed
@@ -10,6 +13,7 @@ from .figure import Figure
 
 # Of Okabe and Ito, for any colour vision; their yellow and black, unseen on one of the grounds, are purple and brown.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#9467bd", "#8c564b")
+SCALE = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")  # Viridis
 GREY, DARK_GREY = "#999999", "#555555"  # of bounds and failures; of the reference's curves
 SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
@@ -25,6 +29,18 @@ LAYOUT: dict[str, Any] = {"margin": MARGIN, "legend": LEGEND, "hoverlabel": {"na
 def colour(number: int) -> str:
     """The colour of a series, such as an engine, by its number from 0."""
     return COLOURS[number % len(COLOURS)]
+
+
+def graded(share: float) -> str:
+    """The colour at a share, from 0 to 1, of a scale."""
+    channels = np.array([[int(stop[k : k + 2], 16) for k in (1, 3, 5)] for stop in SCALE]).T
+    mixed = (np.interp(share, np.linspace(0, 1, len(SCALE)), channel) for channel in channels)
+    return "#" + "".join(f"{round(value):02x}" for value in mixed)
+
+
+def categories(labels: Collection[object]) -> dict[str, Any]:
+    """The attributes of an axis with a place for each label, from 0."""
+    return {"tickvals": [*range(len(labels))], "ticktext": [*map(str, labels)], "range": [-0.5, len(labels) - 0.5]}
 
 
 def marker(number: int, symbol: str = "", size: int = 8) -> dict[str, Any]:

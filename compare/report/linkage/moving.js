@@ -67,8 +67,7 @@ const pose = n => {
 };
 
 const vector = (arrow, n, engine) => arrow.components.map(channel => value(channel, n, engine));
-const digits = (v, count) => Number(v.toPrecision(count)).toLocaleString("en", { maximumFractionDigits: decimals(v, count) });
-const newtons = size => `${digits(size * head.newton[0], 3)} ${head.newton[1]}`;
+const newtons = size => `${tidy(size * head.newton[0])} ${head.newton[1]}`;
 const forces = [...svg.querySelectorAll(".force:has(.head)")]; // not moments, whose arrows are of one size
 const arrows = forces.map((group, k) => {
   const text = made("g", svg, "");
@@ -155,7 +154,7 @@ const words = (n, engine) => {
 const [force, magnify, sketch, slider, output] =
   ["[name=force]", "[name=magnify]", "[name=sketch]", "[type=range]", "output"].map(find);
 const plots = new Map(); // by the section that has it
-const followers = [], edits = []; // what else is drawn anew for a sample, and for another design
+const followers = [], edits = [() => plots.forEach(plot => plot.edit())]; // drawn anew for a sample, for another design
 let now = 0, marked = "";
 
 const show = n => {
@@ -175,17 +174,18 @@ const show = n => {
 
 // --- one cursor through all plots ------------------------------------------------------------------------------------
 
+const sum = ({ factors, magnitude }, n, engine) => {
+  let whole = 0;
+  for (const channel in factors) whole += magnitude ? (factors[channel] * value(channel, n, engine)) ** 2 : factors[channel] * value(channel, n, engine);
+  return magnitude ? Math.sqrt(whole) : whole;
+};
+
 class Plot {
   constructor(section, panel) {
     this.plot = section.querySelector(".plot");
-    this.line = document.createElement("div");
-    this.line.className = "cursor";
+    this.curves = panels[panel]?.curves ?? [];
     if (panel >= 0) this.cells = this.table(section, panel);
-    this.plot.addEventListener("drawn", () => {
-      this.plot.append(this.line);
-      this.plot.on("plotly_relayout", () => this.show(now)); // after a zoom
-      this.show(now);
-    });
+    this.plot.addEventListener("drawn", () => (this.edit(), this.show(now)));
     seen.observe(section);
     plots.set(section, this);
     for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
@@ -203,10 +203,6 @@ class Plot {
       });
     };
     row(["", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
-    const sum = (curve, n, engine) => {
-      const parts = Object.entries(curve.factors).map(([channel, factor]) => factor * value(channel, n, engine));
-      return curve.magnitude ? Math.hypot(...parts) : parts.reduce((a, b) => a + b);
-    };
     const places = curves.map(curve => decimals(peak(rows.map(n => sum(curve, n, 0))), 6));
     engines.forEach((engine, e) => {
       const own = row([engine, ...curves.map(() => ""), ""]);
@@ -218,27 +214,30 @@ class Plot {
     return cells;
   }
 
-  get axis() {
-    const layout = this.plot._fullLayout;
-    return layout && [layout.xaxis, layout.xaxis2].find(across => across?.title.text === axis.title);
+  get drawn() { // where it is over the drive
+    return this.plot.plot?.over === axis.title ? this.plot.plot : null;
+  }
+
+  edit() { // the curves of the design as it is now
+    if (!this.drawn || !this.near || !this.curves.length) return;
+    this.drawn.ghost(isEdited);
+    for (const curve of isEdited ? this.curves : []) this.drawn.set(curve.name, 1, rows.map(n => sum(curve, n, 0)), rows.map(over));
   }
 
   show(n) {
     if (this.near) this.cells?.forEach(([cell, text]) => (cell.textContent = text(n)));
-    const across = this.axis;
-    if (!across) return;
-    const { t, h } = this.plot._fullLayout._size, x = across.l2p(over(n));
-    this.line.hidden = x < -1 || x > across._length + 1; // beyond what a zoom shows
-    this.line.style.cssText = `top: ${t}px; height: ${h}px; transform: translateX(${across._offset + x}px)`;
+    this.drawn?.show(over(n));
   }
 
-  handleEvent(event) {
-    const across = this.axis;
-    if (!across || this.plot._fullLayout.dragmode) return;
-    if (event.type === "pointerleave") return this.show(now);
-    const n = nearest(across.p2l(event.clientX - this.plot.getBoundingClientRect().left - across._offset));
-    if (event.type === "pointerdown" && event.target.closest(".nsewdrag")) this.plot.setPointerCapture(event.pointerId);
-    if (this.plot.hasPointerCapture(event.pointerId)) scrub(n); // begun inside the axes: buttons and legend have theirs
+  handleEvent({ type, target, clientX, pointerId }) {
+    if (!this.drawn || this.drawn.zooms) return;
+    if (type === "pointerleave") return this.show(now);
+    const inside = target.closest(".u-over"); // buttons and legend have theirs
+    if (type === "pointerdown" && inside) this.plot.setPointerCapture(pointerId);
+    const held = this.plot.hasPointerCapture(pointerId);
+    if (!held && !inside) return;
+    const n = nearest(this.drawn.at(clientX));
+    if (held) scrub(n);
     else this.show(n);
   }
 }
@@ -246,6 +245,7 @@ const seen = new IntersectionObserver(entries => {
   for (const { target, isIntersecting } of entries) {
     const plot = plots.get(target);
     plot.near = isIntersecting;
+    plot.edit();
     plot.show(now);
   }
 }, { rootMargin: "100%" });

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
 from xml.etree.ElementTree import tostring
@@ -28,6 +28,18 @@ NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
+
+
+@dataclass(frozen=True)
+class PolarVector:
+    """A vector over a cycle, for a polar diagram."""
+
+    name: str
+    at: str  # the point of a pin
+    bodies: Sequence[str]  # the one that acts and the other
+    channels: Sequence[str]  # its x and y
+    factor: float
+    unit: str
 
 
 class MovingPicture:
@@ -125,28 +137,23 @@ class MovingPicture:
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
             "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
             "outlines": outlines(drawing),
-            "vectors": self.vectors,
+            "vectors": [asdict(vector) for vector in self.vectors],
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
 
     @cached_property
-    def vectors(self) -> list[dict[str, Any]]:
-        """What a polar diagram can be drawn of: the forces of pins, with their bodies, and the output's velocity."""
+    def vectors(self) -> list[PolarVector]:
+        """What a polar diagram can be drawn of: the forces of pins, and the output's velocity, its hodograph."""
         scene, named = self.study.scene, units(self.study.reference)
-        drawn = [
-            {"name": f"force at pin {pin.channel}", "at": pin.point, "bodies": [pin.first, pin.second]}
-            | dict(zip(("factor", "unit"), named["N"], strict=True))
-            | {"channels": [f"{pin.channel}.f{q}" for q in "xy"]}
-            for pin in scene.pins
-        ]
-        rate = {
-            "name": f"velocity of {scene.output}",
-            "at": "",
-            "bodies": [],
-            "channels": [f"{scene.output}.v{q}" for q in "xy"],
-        }
-        drawn.append(rate | dict(zip(("factor", "unit"), named["m/s"], strict=True)))
-        return [vector for vector in drawn if {*vector["channels"]} <= {*self._channels}]
+
+        def vector(name: str, stem: str, unit: str, at: str = "", bodies: Sequence[str] = ()) -> PolarVector:
+            return PolarVector(name, at, bodies, [f"{stem}{q}" for q in "xy"], *named[unit])
+
+        forces = (
+            vector(f"force at pin {p.channel}", f"{p.channel}.f", "N", p.point, (p.first, p.second)) for p in scene.pins
+        )
+        drawn = [*forces, vector(f"velocity of {scene.output}", f"{scene.output}.v", "m/s")]
+        return [vector for vector in drawn if {*vector.channels} <= {*self._channels}]
 
     @property
     def magnified(self) -> Iterator[tuple[float, str]]:

@@ -23,7 +23,7 @@ if (diagram) {
   const point = ([x, y]) => `${(scale * x).toFixed(2)} ${(-scale * y).toFixed(2)}`;
   const follow = () => {
     tip.setAttribute("d", `M0 0L${point(turned(now, channel => value(channel, now)))}`);
-    caption.textContent = `${whole} At ${position(now)}: ${digits(chosenOne().factor * length(now), 4)} ${chosenOne().unit}.`;
+    caption.textContent = `${whole} At ${position(now)}: ${tidy(chosenOne().factor * length(now), 4)} ${chosenOne().unit}.`;
     sheet.setAttribute("aria-label", caption.textContent);
   };
   const redraw = () => {
@@ -38,7 +38,7 @@ if (diagram) {
     });
     const acts = bodies.length ? `Force of ${bodies[0]} on ${bodies[1]}` : name.replace(/^./, letter => letter.toUpperCase());
     const apart = peak(offs) > 0 ? ` Differences between the engines are ${times.toLocaleString("en")} times as large.` : "";
-    whole = `${acts}. The outer circle is its peak, ${digits(factor * most, 4)} ${unit} at ${position(sizes.indexOf(most))}.${apart}`;
+    whole = `${acts}. The outer circle is its peak, ${tidy(factor * most, 4)} ${unit} at ${position(sizes.indexOf(most))}.${apart}`;
     follow();
   };
   const frames = () => {
@@ -50,7 +50,10 @@ if (diagram) {
   frame.onchange = redraw;
   followers.push(follow);
   edits.push(redraw);
-  svg.addEventListener("click", ({ target }) => { // on a pin
+  let from = [0, 0];
+  svg.addEventListener("pointerdown", ({ clientX, clientY }) => (from = [clientX, clientY]));
+  svg.addEventListener("click", ({ target, clientX, clientY }) => { // on a pin, which is not dragged
+    if (Math.hypot(clientX - from[0], clientY - from[1]) > 3) return;
     const pin = target.closest("[data-point]:has(> .pin)")?.dataset.point;
     const k = head.vectors.findIndex(({ at }) => at === pin);
     if (k < 0 || !pin) return;

@@ -11,13 +11,7 @@ const mark = () => {
   slider.ariaValueText = document.querySelector("#member + output").textContent = label;
   rows.forEach((row, k) => (row.ariaCurrent = k === +dataset.row ? "true" : null));
   clearTimeout(later);
-  later = setTimeout(emphasise, 50, label); // not at every step of a slider that is dragged
-};
-
-const emphasise = label => {
-  if (!plot._fullLayout) return;
-  const own = plot.data.map(trace => trace.name === label);
-  Plotly.restyle(plot, { opacity: own.map(is => (is ? 1 : 0.45)), "line.width": own.map(is => (is ? 4 : 1.5)) });
+  later = setTimeout(() => plot.plot?.emphasise(label), 50); // not at every step of a slider that is dragged
 };
 
 const show = async () => {
@@ -41,10 +35,8 @@ members.forEach((member, k) => {
   row?.classList.add("drawn");
   row?.addEventListener("click", () => choose(k));
 });
-plot.addEventListener("drawn", () => {
-  plot.on("plotly_click", ({ points }) => choose(members.findIndex(member => member.label === points[0].data.name)));
-  mark();
-});
+plot.addEventListener("drawn", mark);
+plot.addEventListener("chosen", ({ detail }) => choose(members.findIndex(member => member.label === detail)));
 place.addEventListener("click", ({ target }) => {
   if (!target.matches(".go")) return;
   const { from, to } = place.querySelector("[data-from]").dataset;

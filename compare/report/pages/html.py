@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache
 from gzip import compress
-from importlib.resources import files
+from importlib.metadata import distribution
 from json import dumps
 from pathlib import Path
 from typing import Any
@@ -17,13 +17,12 @@ from markupsafe import Markup, escape
 
 from ...engines.kept import environment
 from ...judge.agreement import Word
-from ..figures.figure import CONFIG, CURVE, Figure, template
+from ..figures.figure import CURVE, Figure
 from ..numbers import percent, short
 
 HERE, LINKAGE, BENCH = "compare.report.pages", "compare.report.linkage", "compare.report.bench"  # templates' packages
 ROWS = 200  # of a table or a list, at most
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
-LEVEL = 5  # of the library's gzip: the page of three engines stays below 2.5 MB; level 6 takes 40 % longer
 
 
 def render(name: str, package: str = HERE, *, most: int = CURVE, **values: Any) -> str:
@@ -59,12 +58,13 @@ def _templates(package: str) -> Environment:
 
 @cache
 def _library() -> str:
-    return packed((files("plotly") / "package_data/plotly.min.js").read_bytes(), LEVEL)
+    """What draws the figures, without an import of its package, which needs a notebook's."""
+    return packed(Path(str(distribution("uplot-python").locate_file("uplot/static/uPlot.iife.js"))).read_bytes())
 
 
-def packed(data: bytes, level: int = 9) -> str:
+def packed(data: bytes) -> str:
     """What the script of a page unpacks: gzip in base64."""
-    return b64encode(compress(data, level, mtime=0)).decode()
+    return b64encode(compress(data, mtime=0)).decode()
 
 
 def number(value: float, text: str, unit: str = "") -> Markup:
@@ -94,10 +94,8 @@ class Parts:
 
     @property
     def figures(self) -> str:
-        """All figures, and the look and the buttons that they share, packed; nothing where there are none."""
-        shared = f'"template":{template()},"config":{dumps(CONFIG)}'
-        text = f'{{{shared},"figures":[{",".join(self._figures)}]}}'
-        return packed(text.encode()) if self._figures else ""
+        """All figures, packed; nothing where there are none."""
+        return packed(f"[{','.join(self._figures)}]".encode()) if self._figures else ""
 
 
 def shortened(

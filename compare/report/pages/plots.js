@@ -1,0 +1,253 @@
+// Draws figures, data in plotly's names, by uPlot, one of it a panel: legend, buttons and read-out are the whole figure's.
+// All scales are linear: of a logarithmic axis that of the exponents. `place.plot` is what other scripts have of a figure.
+
+const NARROW = 150, GAP = 14, TEXTS = 52; // px: of a column, between columns, of the numbers along an axis
+
+class Chart {
+  hidden = new Set(); // groups of the legend
+  chosen = 0; // of the buttons with other numbers
+  view = {}; // ranges that the reader has chosen, by axis
+
+  constructor(place, { data, layout }) {
+    const panels = new Map(), { annotations = [], dragmode, yaxis } = layout;
+    for (const trace of data) {
+      const name = trace.xaxis.slice(1), x = layout[`xaxis${name}`], y = layout[`yaxis${name}`], [lo, hi] = x.domain;
+      const note = annotations.find(n => n.y === y.domain[1] && Math.abs(n.x - (lo + hi) / 2) < 1e-9);
+      const names = { x: x.matches ?? `x${name}`, y: y.matches ?? `y${name}` }, line = element("div", { className: "cursor" });
+      if (!panels.has(name)) panels.set(name, { number: +name || 1, x, y, names, note, line, traces: [] });
+      panels.get(name).traces.push(this.read({ line: {}, marker: {}, mode: "lines", ...trace }, x, y));
+    }
+    this.panels = [...panels.values()];
+    this.traces = this.panels.flatMap(({ traces }) => traces);
+    this.listed = this.traces.filter(({ showlegend }) => showlegend);
+    this.notes = annotations.filter(note => !this.panels.some(panel => panel.note === note)).map(({ text }) => text);
+    const over = this.panels.at(-1).x.title?.text; // what all panels are drawn over
+    Object.assign(this, { place, layout, over, linked: dragmode === false, zooms: dragmode !== false, title: yaxis.title?.text });
+    this.stack();
+  }
+
+  read(trace, x, y) {
+    for (const name of ["x", "y", "z", "base"]) trace[name] = array(trace[name]);
+    if (trace.type === "heatmap") { // its cells, row by row
+      const wide = trace.text[0].length, cells = trace.text.flat().map((_, n) => n);
+      for (const name of ["text", "customdata", "meta"]) trace[name] = trace[name].flat();
+      Object.assign(trace, { x: cells.map(n => n % wide), y: cells.map(n => Math.floor(n / wide)), box: n => [trace.x[n] - 0.5, trace.x[n] + 0.5] });
+    }
+    if (trace.type === "bar") trace.box = n => [trace.base[n], trace.base[n] + trace.x[n]];
+    return Object.assign(trace, { X: scaled(trace.x, x.type === "log"), Y: scaled(trace.y, y.type === "log") });
+  }
+
+  stack() { // what is filled, and what is below it
+    const below = {};
+    for (const trace of this.traces) {
+      trace.top = trace.Y;
+      if (trace.fill) trace.low = trace.Y.map(() => 0);
+      if (!trace.stackgroup || this.hidden.has(trace.legendgroup)) continue;
+      trace.low = below[trace.stackgroup] ?? trace.Y.map(() => 0);
+      below[trace.stackgroup] = trace.top = trace.Y.map((v, n) => v + trace.low[n]);
+    }
+  }
+
+  range(name) { // chosen, given, or what is shown in all panels with that axis
+    const letter = name[0], panels = this.panels.filter(({ names }) => names[letter] === name), axis = panels[0][letter];
+    if (this.view[name] ?? axis.range) return this.view[name] ?? axis.range;
+    const shown = panels.flatMap(({ traces }) => traces).filter(({ legendgroup }) => !this.hidden.has(legendgroup));
+    const ends = shown.flatMap(({ X, top, low = [] }) => (letter === "x" ? extent(X) : [...extent(top), ...extent(low)]));
+    let [lo, hi] = extent([...ends.filter(Number.isFinite), ...(axis.rangemode === "tozero" ? [0] : [])]);
+    if (!(lo <= hi)) [lo, hi] = [0, 1];
+    if (lo === hi) [lo, hi] = [lo - (Math.abs(lo) || 1) / 10, hi + (Math.abs(hi) || 1) / 10];
+    const margin = letter === "x" && axis.type !== "log" && shown.some(({ mode }) => mode !== "markers") ? 0 : 0.05;
+    return [lo - margin * (hi - lo), hi + margin * (hi - lo)];
+  }
+
+  // --- drawing ---
+
+  *columns(width) { // yield each panel with its width and its column
+    const most = new Set(this.panels.map(({ x }) => x.domain[0])).size;
+    const columns = Math.max(1, Math.min(most, Math.floor(width / NARROW)));
+    const more = this.panels.some(({ y }) => y.matches) && columns > 1 ? TEXTS + 12 : 0;
+    const each = Math.floor((width - more - GAP * (columns - 1)) / columns);
+    for (const [k, panel] of this.panels.entries()) yield [panel, k % columns ? each : each + more, k % columns];
+  }
+
+  drawn([panel, width, column], ratio, library, place) {
+    const { x, y, names, traces } = panel, { height, margin } = this.layout, marked = {};
+    const axis = (scale, of, size, label, space, quiet) => ({
+      scale, size, label, labelSize: 18, gap: 4, font: FONT, labelFont: FONT, space: 1, stroke: () => shade("--ink"),
+      grid: { show: of.showgrid !== false, width: 1, stroke: () => shade("--line") }, ticks: { show: false },
+      incrs: (u, k, lo, hi) => [Math.max(10, hi - lo)], // any one: the splits are our own
+      splits: (u, k, lo, hi, step, length) => {
+        const most = u.bbox[scale === "x" ? "width" : "height"] / ratio / space;
+        return (marked[scale] = ticks(lo, hi, most, of)).map(([v]) => v);
+      },
+      values: () => (quiet ? [] : marked[scale].map(([, text]) => text)),
+    });
+    const silent = y.showticklabels === false && !(column === 0 && y.matches), under = x.showticklabels !== false;
+    const texts = Math.max(TEXTS, ...(y.ticktext ?? []).map(text => measured(text) + 8));
+    const series = traces.map(trace => ({
+      label: trace.name, show: !this.hidden.has(trace.legendgroup), alpha: trace.opacity ?? trace.marker.opacity ?? 1,
+      width: trace.line.width ?? 2, dash: (DASHES[trace.line.dash] ?? []).map(d => d * ratio), stroke: () => colour(trace),
+      fill: trace.low && (() => `${colour(trace)}66`), paths: u => this.path(u, trace, ratio),
+      points: {
+        show: trace.mode.includes("markers"), width: trace.marker.line?.width ?? 0, fill: () => colour(trace),
+        paths: u => ({ ...symbols(trace, placing(u), ratio), flags: 3 }),
+      },
+    }));
+    return new library({
+      mode: 2, width, padding: [8, 16, 0, 0], legend: { show: false, live: false }, series: [null, ...series],
+      height: Math.round((y.domain[1] - y.domain[0]) * (height - margin.t - margin.b)) + (under ? (x.title ? 48 : 30) : 12),
+      scales: {
+        x: { auto: false, dir: x.autorange === "reversed" ? -1 : 1, range: () => this.range(names.x) },
+        y: { auto: false, range: () => this.range(names.y) },
+      },
+      axes: [
+        axis("x", x, under ? 22 : 4, x.title?.text, 70, !under),
+        axis("y", y, silent ? 6 : texts, y.title?.text ?? (column ? undefined : this.title), 32, silent),
+      ],
+      cursor: {
+        x: !this.linked, y: false, drag: { x: false, y: false }, points: { size: 7 },
+        dataIdx: (u, k) => nearest(u, traces[k - 1]), bind: { mousedown: () => null, dblclick: () => null },
+      },
+      hooks: { draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)] },
+    }, this.data(panel), place);
+  }
+
+  data = ({ traces }) => [null, ...traces.map(({ X, top }) => [X, top])];
+
+  path(u, trace, ratio) {
+    if (!trace.box) return trace.mode === "markers" ? null : { ...line(trace, placing(u)), flags: 0 };
+    const { ctx, bbox: { left, top, width, height } } = u, place = placing(u), half = trace.meta ? 0.5 : 0.4;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(left, top, width, height);
+    ctx.clip();
+    Object.assign(ctx, { font: FONT.replace("12", 11 * ratio), textAlign: "center", textBaseline: "middle" });
+    trace.x.forEach((_, n) => {
+      const [from, to] = trace.box(n), [x0, y0] = place(from, trace.Y[n] + half), [x1, y1] = place(to, trace.Y[n] - half);
+      const ground = trace.meta?.[n] ?? colour(trace);
+      ctx.fillStyle = ground;
+      if (ground) ctx.fillRect(x0, y0, x1 - x0 - ratio * !!trace.meta, y1 - y0 - ratio * !!trace.meta);
+      ctx.fillStyle = parseInt(ground.slice(3, 5), 16) > 120 ? "#000" : "#fff";
+      if (trace.meta) ctx.fillText(trace.text[n], (x0 + x1) / 2, (y0 + y1) / 2);
+    });
+    ctx.restore();
+    return null;
+  }
+
+  build() {
+    const { place } = this, group = (name, ...buttons) => element("span", { className: name, role: "group" }, ...buttons);
+    const tools = [legend(this), ...menus(this).map(menu => group("menu", ...menu)), group("bar", ...bar(this))];
+    this.text = element("div", { className: "hover", hidden: true });
+    this.host = element("div", { className: "panels" });
+    place.replaceChildren(element("div", { className: "tools" }, ...tools), this.host, this.text,
+      ...this.notes.map(textContent => element("p", { className: "soft small", textContent })), ...place.querySelectorAll(".paper"));
+    this.width = this.host.clientWidth;
+    const sized = [...this.columns(this.width)];
+    this.host.style.gridTemplateColumns = `repeat(${Math.max(...sized.map(([, , column]) => column)) + 1}, max-content)`;
+    for (const [panel, ...size] of sized) {
+      const own = element("div", {}, ...(panel.note ? [element("h4", { textContent: panel.note.text })] : []));
+      this.host.append(own);
+      panel.u = this.drawn([panel, ...size], devicePixelRatio, uPlot, own);
+      panel.u.over.append(panel.line);
+      listen(this, panel);
+    }
+  }
+
+  refresh() {
+    this.soon = undefined;
+    this.stack();
+    for (const panel of this.panels) {
+      const [min, max] = this.range(panel.names.x);
+      panel.u?.setData(this.data(panel), false);
+      panel.u?.setScale("x", { min, max }); // and the other one anew
+    }
+  }
+
+  see(view) {
+    this.view = view;
+    this.refresh();
+  }
+
+  // --- what other scripts ask for ---
+
+  show(at) { // the position of the drive, in all panels
+    this.position = at;
+    for (const { u, line } of this.panels) {
+      const x = at === undefined ? -1 : u?.valToPos(at, "x");
+      line.hidden = !(x > -0.5 && x < u?.bbox.width / devicePixelRatio + 0.5); // the element's own would be laid out anew
+      line.style.transform = `translateX(${x}px)`;
+    }
+  }
+
+  at(clientX) {
+    const [{ u }] = this.panels;
+    return u.posToVal(clientX - u.over.getBoundingClientRect().left, "x");
+  }
+
+  set(name, number, y, x) { // of a curve of a panel; it is drawn with the next frame
+    const panel = this.panels.find(panel => panel.number === number);
+    this.replace(panel.traces.find(trace => trace.name === name && trace.mode !== "markers"), y, x);
+    this.soon ??= requestAnimationFrame(() => this.refresh());
+  }
+
+  replace(trace, y, x = trace.x) {
+    const panel = this.panels.find(({ traces }) => traces.includes(trace));
+    this.read(Object.assign(trace, { x, y }), panel.x, panel.y);
+  }
+
+  ghost(shown) { // the curves of the first panel as they are, dotted, while others are in their places
+    const [panel] = this.panels, ghosts = panel.traces.filter(({ of }) => of);
+    if (shown === ghosts.length > 0) return;
+    const faint = of => ({ ...of, of, name: `${of.name} as judged`, showlegend: false, opacity: 0.6, line: { ...of.line, dash: "dot" } });
+    if (shown) panel.traces.push(...panel.traces.filter(({ mode }) => mode === "lines").map(faint));
+    else panel.traces = panel.traces.filter(({ of }) => !of);
+    for (const { of, x, y } of ghosts) this.replace(of, y, x);
+    this.build();
+  }
+
+  emphasise(name) {
+    for (const { u, traces } of this.panels)
+      traces.forEach((trace, k) => {
+        Object.assign(trace, { opacity: trace.name === name ? 1 : 0.45, line: { ...trace.line, width: trace.name === name ? 4 : 1.5 } });
+        Object.assign(u.series[k + 1], { alpha: trace.opacity, width: trace.line.width });
+      });
+    this.refresh();
+  }
+}
+
+// --- the figures of the page: unpacked when there is time, each drawn near the viewport, by itself; all for a print ---
+
+const places = [...document.querySelectorAll("[data-figure]")];
+let library, uPlot, sharper, figures, turn = Promise.resolve();
+const compiled = ratio => Function(`${ratio ? `const devicePixelRatio = ${ratio};` : ""}${library}; return uPlot`)();
+const sharp = () => (sharper ??= compiled(SHARP));
+const inTurn = job => (turn = turn.then(() => new Promise(done => setTimeout(() => done(job())))));
+const chart = place => (place.plot ??= new Chart(place, figures[place.dataset.figure]));
+const draw = place => {
+  chart(place).build();
+  place.dispatchEvent(new Event("drawn"));
+};
+const resized = new ResizeObserver(all => all.forEach(({ target, contentRect: { width } }) => {
+  if (width && target.plot?.width && Math.abs(width - target.plot.width) > 1) inTurn(() => draw(target));
+}));
+const near = new IntersectionObserver(seen => seen.filter(entry => entry.isIntersecting).forEach(({ target }) => {
+  near.unobserve(target);
+  inTurn(() => draw(target));
+  resized.observe(target);
+}), { rootMargin: "600px" });
+
+requestIdleCallback(async () => {
+  library = await unpacked("uplot");
+  figures = JSON.parse(await unpacked("figures"));
+  uPlot = compiled();
+  places.forEach(place => near.observe(place));
+});
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  shades.clear();
+  places.filter(place => place.plot?.host).forEach(place => inTurn(() => draw(place)));
+});
+addEventListener("beforeprint", () => figures && onPaper(() => Promise.all(places.map(async place => {
+  place.querySelector(".paper")?.remove();
+  place.append(await picture(chart(place), place.closest(".grid") ? 340 : 700, sharp())); // px of A4, as it is laid out there
+}))));
+addEventListener("afterprint", () => document.querySelectorAll("canvas.paper").forEach(canvas => canvas.remove()));
