@@ -10,10 +10,10 @@ press force comes or goes just there the place does matter, and the linear model
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from statistics import NormalDist
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.special import ndtri
 
 from scenes import Motion, Scene, Status, numbers_in
 from scenes.file.changes import numbers_of
@@ -26,8 +26,9 @@ from ...judge.peaks.refined import beyond, jumps, needed, refined
 from ...judge.peaks.stroke import DWELLING, RowNumbers, Stroke, chords
 from ...judge.proof import channels_of, met
 from ...mechanics.reference import SCALE_SAMPLES, Reference
+from .sobol import points
 
-BITS = 30  # of the draws, before they become numbers
+QUANTILE = NormalDist().inv_cdf
 SAMPLES = 180  # of a cycle, before extremes are refined: enough to know which of several peaks is the highest
 SPEED = "drive.speed"
 QUANTITIES = {"displacement": "", "velocity": "v", "acceleration": "a"}  # of channels, by kind of curve
@@ -50,20 +51,14 @@ class SolvedMachines:
 def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Samples]:
     """The numbers of machines from the `first` on, of 0, 1 and so on, by path, shape (count,), in units of the file.
 
-    A machine is the same whatever others are asked for: the points are those of a scrambled Sobol sequence, which fill
-    the space of the variations more evenly than independent ones.
+    A machine is the same whatever others are asked for.
     """
-    from scipy.stats.qmc import Sobol  # which takes longer than all else that is imported
-
-    sequence = Sobol(len(scene.variations), scramble=True, bits=BITS, rng=seed)
-    if first:
-        sequence.fast_forward(first)
-    asked = 1 << max(count - 1, 0).bit_length()  # the next power of two, by which the sequence is to be asked
-    shares = sequence.random(asked)[:count] + 2.0 ** -(BITS + 1)  # the middle of its last place: no 0
+    shares = points(len(scene.variations), seed, first, count)
     drawn = {}
     nominal = numbers_in(scene.file, [variation.path for variation in scene.variations])
     for variation, number, share in zip(scene.variations, nominal, shares.T, strict=True):
-        of_deviations = ndtri(share) if variation.distribution == "normal" else (2 * share - 1) * 3**0.5
+        normal = variation.distribution == "normal"
+        of_deviations = np.array([*map(QUANTILE, share)]) if normal else (2 * share - 1) * 3**0.5
         drawn[variation.path] = number + variation.deviation * of_deviations
     return drawn
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import scenes
+from compare.measure.many import sobol
 from compare.measure.many.machines import draws
 from scenes import Status
 from scenes.model.motion import Samples
@@ -30,6 +31,23 @@ def test_they_are_distributed_as_the_scene_has_it() -> None:
     assert 254.99 < mass.max() <= 255
     table = np.corrcoef([*machines.values()])
     assert np.abs(table - np.eye(len(machines))).max() < 0.01  # independent: 1 / sqrt(4096) of random ones
+
+
+def test_the_directions_of_sobol_are_those_of_scipy() -> None:
+    """Where nothing is scrambled, 512 points of every dimension of the table, shifted alike."""
+    from scipy.stats.qmc import Sobol
+
+    whole = Sobol(len(sobol._directions()), scramble=False, bits=sobol.BITS).random(512) * 2**sobol.BITS
+    gray = np.arange(512) ^ np.arange(512) >> 1
+    for own, expected in zip(sobol._directions(), whole.T.astype(int), strict=True):
+        points = np.bitwise_xor.reduce(np.where(gray[:, None] >> np.arange(sobol.BITS) & 1, own, 0), axis=1)
+        assert (points == expected).all()
+
+
+def test_points_beyond_the_table_are_the_same_too() -> None:
+    few, all_of_them = sobol.points(43, 5, 7, 4), sobol.points(43, 5, 0, 20)
+    assert (few == all_of_them[7:11]).all()
+    assert np.unique(all_of_them.round(9)).size == all_of_them.size
 
 
 def test_a_machine_is_the_same_whatever_others_are_asked_for() -> None:

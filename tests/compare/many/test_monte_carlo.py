@@ -104,7 +104,7 @@ def test_a_check_fails_where_no_drawn_machine_runs(tmp_path: Path, capsys: pytes
     offset = {"path": "bodies.slider.slides.through.1", "plus_minus": 60, "distribution": "uniform"}
     changes: dict[str, Any] = {"variations": [*LOOSE, offset], "bodies.rod.lengths.A-B": 150}
     file = str(scene_files.write(tmp_path, "offset_slider_crank", changes))
-    assert run(file, tmp_path / "out", "--monte-carlo", "2", "--seed", "7", "--check") == 1
+    assert run(file, tmp_path / "out", "--monte-carlo", "2", "--seed", "3", "--check") == 1
     printed = capsys.readouterr().out
     assert "0 of 2 machines run" in printed
     assert "missed: every tolerance, since no drawn machine runs" in printed
