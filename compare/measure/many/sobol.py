@@ -35,8 +35,8 @@ def points(dimensions: int, seed: int, first: int, count: int) -> Samples:
     for bit in range(BITS):
         whole ^= np.where(gray >> bit & 1, directions[:, bit, np.newaxis], 0).T
     even = (whole + 0.5) / (1 << BITS)  # the middle of the last place: no 0
-    independent = random.random((dimensions - len(directions), first + count))[:, first:]
-    return np.hstack([even, independent.T])
+    independent = random.random((first + count, dimensions - len(directions)))[first:]
+    return np.hstack([even, independent])
 
 
 def _scrambled(directions: NDArray[np.int64], random: np.random.Generator) -> NDArray[np.int64]:

@@ -47,13 +47,13 @@ followers.push(n => isEdited && reshape(n));
 // --- numbers in, numbers out -----------------------------------------------------------------------------------------
 
 const rowsIn = inTable(".numbers tbody").rows, rowsOut = inTable(".asked tbody").rows;
-const units = bench.asked.map((one, r) => {
-  const [was] = asked(one, design, rowsOfDesign), places = decimals(Math.abs(one.factor * was), 4);
+const judgedSizes = bench.asked.map((one, r) => {
+  const [was] = asked(one, rowsOfDesign, design), places = decimals(Math.abs(one.factor * was), 4);
   rowsOut[r].cells[1].textContent = `${written(one.factor * was, places)} ${one.unit}`;
   return { was, places };
 });
 const compare = () => bench.asked.forEach((one, r) => {
-  const [now, at] = asked(one, edited, rowsNow), { was, places } = units[r], [, , cell, change, where] = rowsOut[r].cells;
+  const [now, at] = asked(one, rowsNow, edited), { was, places } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
   cell.textContent = isEdited ? `${written(one.factor * now, places)} ${one.unit}` : "";
   const share = 100 * (Math.abs(now / was) - 1);
   change.textContent = isEdited ? `${share < 0 ? "−" : "+"}${Math.abs(share).toFixed(1)} %` : "";

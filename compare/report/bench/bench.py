@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from scenes.file.changes import at_path
 from scenes.file.reader import tables_of
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
 from scenes.scene import GROUND, ConstantSpeed
 
 from ...engines import registry
+from ...judge.proof import channels_of
+from ...measure.many.machines import draws
 from ...study import Study
 from ..linkage.moving import MovingPicture
 from ..linkage.svg import outlines
@@ -21,6 +24,7 @@ from ..pages.html import packed
 from ..plain import plain
 
 ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
+SEED, MACHINES = 0, 500  # of the machines that the page draws: as `--monte-carlo 500` does
 EXACT = 24  # samples of the run that are kept to the last digit, against which the page checks itself
 
 
@@ -75,6 +79,8 @@ class Bench:
             "pushes": [*self._pushes()],
             "shapes": dict(zip(several, outlines(self.moving.drawing), strict=True)),
             "asked": [asdict(one) for one in self.asked],
+            "machines": self._machines(),
+            "limits": [*self._limits()],
             "tables": tables_of(scene.file),
             "name": scene.name,
         }
@@ -124,6 +130,26 @@ class Bench:
                     "way": [way.real, way.imag],
                     "names": [f"{label} {q}" for q in "xy"],
                 }
+
+    def _machines(self) -> Mapping[str, Any]:
+        """The numbers that vary from machine to machine, and by how much those of the drawn machines are off, SI."""
+        scene, at = self.scene, {path: n for n, path in enumerate(self.program["numbers"])} if self.program else {}
+        drawn = draws(scene, SEED, 0, MACHINES) if scene.variations else {}
+        off = {at_path(scene, path): values for path, values in drawn.items()}
+        sizes = {path: scene.size(scene.numbers[path]) for path in off}
+        return {
+            "numbers": [at[path] for path in off],
+            "off": [values * sizes[path] - scene.numbers[path].value for path, values in off.items()],
+        }
+
+    def _limits(self) -> Iterator[Mapping[str, Any]]:
+        """Yield the scene's limits with the channels that each is of."""
+        assert self.program is not None
+        for name, limit in self.scene.limits.items():
+            channels = [*channels_of(self.scene, name, self.program["channels"])]
+            if {*channels} <= {*self.program["channels"]}:
+                kind = "largest" if name in magnitudes(self.scene) else "least"
+                yield {"channels": channels, "kind": kind, "least": limit.least, "most": limit.most}
 
     @cached_property
     def asked(self) -> list[Asked]:

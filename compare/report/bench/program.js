@@ -63,8 +63,8 @@ const measures = { // of some channels, at n
   range: ([u, v], x, y) => n => u * x[n] + v * y[n],
 };
 const measured = ({ kind, along, channels }, rows) => measures[kind](along, ...channels.map(channel => rows[column[channel]]));
-const refined = (number, of, best) => { // the largest near a sample: between samples where the drive's rate is known
-  if (!bench.steady) return of(rowsOf(number))(best);
+const refined = (number, rows, of, best) => { // the largest near a sample, between samples where the drive is steady
+  if (!number || !bench.steady) return of(rows)(best);
   let [low, high, top] = [Math.max(best - 1, 0), Math.min(best + 1, count - 1), -Infinity];
   for (let level = 0; level < LEVELS; level++) {
     const places = Array.from({ length: FINER + 1 }, (_, k) => low + ((high - low) * k) / FINER);
@@ -76,13 +76,12 @@ const refined = (number, of, best) => { // the largest near a sample: between sa
   }
   return top;
 };
-const rowsOf = number => (number === edited ? rowsNow : rowsOfDesign);
-const asked = (one, number, rows) => { // SI, and the sample that is nearest
+const asked = (one, rows, number) => { // SI, and the sample that is nearest; without the numbers of samples alone
   const of = rows => measured(one, rows), here = of(rows), sizes = rows[0].map((_, n) => here(n));
   const at = sizes.reduce((best, v, n) => (v > sizes[best] || !(sizes[best] === sizes[best]) ? n : best), 0);
-  const top = refined(number, of, at);
+  const top = refined(number, rows, of, at);
   if (one.kind === "least") return [-top, at];
   if (one.kind === "largest") return [one.channels.length > 1 ? top : top * Math.sign(rows[column[one.channels[0]]][at]), at];
   const lowest = sizes.reduce((best, v, n) => (v < sizes[best] ? n : best), 0);
-  return [top + refined(number, rows => n => -of(rows)(n), lowest), at];
+  return [top + refined(number, rows, rows => n => -of(rows)(n), lowest), at];
 };

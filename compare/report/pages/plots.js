@@ -205,6 +205,15 @@ class Chart {
     this.build();
   }
 
+  band(low, high, x) { // of the first panel, from a curve to another one; without them none
+    const [panel] = this.panels, had = panel.traces.find(({ band }) => band);
+    const look = { band: true, name: "machines", mode: "lines", marker: {}, line: { width: 0, color: "#0072b2" }, opacity: 0.6 };
+    if (x) Object.assign(had ?? look, { X: Float64Array.from(x), top: high, low });
+    if (x && had) return this.refresh();
+    panel.traces = x ? [...panel.traces, look] : panel.traces.filter(trace => trace !== had);
+    if (x || had) this.build();
+  }
+
   emphasise(name) {
     for (const { u, traces } of this.panels)
       traces.forEach((trace, k) => {
