@@ -6,6 +6,7 @@ channel that an engine returns no more, an error of more than twice its size, an
 
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import inf, isclose, prod
 from pathlib import Path
@@ -108,13 +109,24 @@ def read(path: Path, scene: Scene) -> Summary:
     return summary
 
 
+def last(folder: Path, scene: Scene) -> Summary | None:
+    """The summary of the last run of a scene into a folder, if there is one that can be read."""
+    with suppress(InputError):
+        return read(folder / scene.name / "summary.json", scene)
+    return None
+
+
 def changes(old: Summary, new: Summary) -> list[Change]:
-    """What changed, the worse first."""
+    """What changed, the worse first; where one of the two could not run at all, only that and what was asked for."""
     before, after = (summary.model_dump(include={"scene", "sampling", "environment"}) for summary in (old, new))
     inputs = [each for each in _differences(before, after, new.scene) if each[0][1] not in LEFT_OUT]
     alike = all(path[0] == "environment" or path[1] == "tolerances" for path, _ in inputs)
+    given = [Change(_few([text for _, text in inputs]))] if inputs else []
+    if not (old.engines and new.engines):
+        became = Change("it runs" if new.engines else "it does not run", worse=not new.engines)
+        return [became, *given] if old.engines or new.engines else given
     changed = [
-        *([Change(_few([text for _, text in inputs]))] if inputs else []),
+        *given,
         *_engines(old, new),
         *_errors(old, new, alike=alike),
         *_peaks(old, new, alike=alike),

@@ -6,9 +6,9 @@ from functools import cached_property
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, InputError, Motion, Scene, Settings, Status
+from scenes import Engine, Failure, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
-from scenes.model.enclosures import Assemblies, Enclosures
+from scenes.model.enclosures import Assemblies, Enclosures, MotionRange
 from scenes.model.motion import Samples
 
 from . import outside
@@ -154,6 +154,11 @@ def enclosures(scene: Scene, names: frozenset[str] | None, off: Mapping[str, flo
 def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
     """Return all assemblies where the sketch has the drive, by the analytic core, and which are on one circuit."""
     return cast("Assemblies", import_module("analytic").assemblies(scene, circuits=circuits))
+
+
+def stopped(scene: Scene, failure: Failure | None) -> MotionRange | None:
+    """Return how far a linkage goes that the reference failed on, by the analytic core; None where it has no pose."""
+    return cast("MotionRange | None", import_module("analytic").stopped(scene, failure and failure.at))
 
 
 def route(scene: Scene) -> str:
