@@ -75,9 +75,9 @@ def _run(options: argparse.Namespace) -> int:
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
     if options.baseline:
-        from .ci import baseline  # late, as below
+        from .report.output.earlier import read  # late, as below
 
-        options.baseline = {scene.name: baseline.read(options.baseline, scene) for scene in scenes}
+        options.baseline = {scene.name: read(options.baseline, scene) for scene in scenes}
     if options.result:
         from .results.result import read_results  # late, as below
 
@@ -105,14 +105,18 @@ def _run(options: argparse.Namespace) -> int:
     from .judge.floor import UnsolvedError
 
     missed = []
-    with shown_progress() as show:
-        for scene, request in zip(scenes, requests, strict=True):
-            try:
-                with annotated(scene.file):
-                    missed.append(run(scene, request, options, show))
-            except UnsolvedError as unsolved:  # the others go on
-                print_line(str(unsolved))
-                refused += 1
+    try:
+        with shown_progress() as show:
+            for scene, request in zip(scenes, requests, strict=True):
+                try:
+                    with annotated(scene.file):
+                        missed.append(run(scene, request, options, show))
+                except UnsolvedError as unsolved:  # the others go on
+                    print_line(str(unsolved))
+                    refused += 1
+    finally:  # of those that are done, where the user stops too
+        if own == files.REPORT and (missed or refused) and options.out.is_dir():
+            print(f"index: {files.write_index(options.out)}")
     if options.full:
         from .measure.hard.case import forget
 

@@ -73,7 +73,8 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
 
 def _since(scene: Scene, options: Namespace, known: Mapping[str, Any]) -> dict[str, list["Change"]]:
     """What changed since the baseline and since the last run, for the summary, where there is one."""
-    from ..ci.baseline import Summary, changes, last
+    from ..ci.baseline import changes
+    from ..report.output.earlier import Summary, last
     from ..report.plain import json_text
 
     new = Summary.model_validate_json(json_text(known))

@@ -13,7 +13,7 @@ from .drawing import MARGIN, PX, SIZE, Drawing
 from .svg import TO_NAME, picture, stands_alone, text
 
 ROWS = 120  # of a motion, for the paths of a small picture
-SMALL = 2.2  # times as large signs are in a small picture
+SMALL = 1.7  # times as large signs are in a small picture
 SHOWN = ("x", "y", "angle")  # quantities that a pose has
 
 

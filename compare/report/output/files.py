@@ -31,7 +31,7 @@ from ..plain import json_text
 from ..tables import TableRows
 from ..tables import speed as speed_tables
 from ..tables import study as tables
-from .placing import placed, remove
+from .placing import placed, remove, replace_file
 
 if TYPE_CHECKING:
     from ...measure.many.family import Family
@@ -78,6 +78,20 @@ def write_unsolved(scene: Scene, unsolved: UnsolvedError, folder: Path, known: M
     known = {**known, "picture": small(scene, way.motion) if way else sketched(scene)}
     with _result(scene, folder, REPORT, known, page, complete=True) as (_, place):
         return place
+
+
+def write_index(folder: Path) -> str:
+    """Write `index.html` over all reports of a folder, and return its path; or why it is not written."""
+    from ..pages.index import TITLE, index_page  # late, as it reads what the page of one scene does not
+
+    index = folder / "index.html"
+    try:
+        if index.exists() and f"<title>{TITLE}: cross-check</title>" not in read_text(index, SUMMARY_BYTES):
+            return f"{index} is left as it is: it is not of this program"
+        replace_file(index, partial(index_page, folder))
+    except (OSError, InputError) as error:
+        return f"{index} cannot be written ({getattr(error, 'strerror', None) or error})"
+    return str(index)
 
 
 def write_family(family: "Family", folder: Path) -> Path:
