@@ -23,11 +23,8 @@ def small(scene: Scene, motion: Motion) -> str:
     some = {c: v[::stride] for c, v in motion.samples.items() if c.rpartition(".")[2] in SHOWN}
     drawing = _drawing(scene, Motion(some | {c: motion[c][::stride] for c in ("time", scene.drive_channel)}))
     root, _ = picture(drawing)
-    for group in root.iter("g"):
-        for name in group.findall("text"):
-            group.remove(name)
     root.set("style", f"--px: {SMALL * PX:.4f}")
-    return stands_alone(root, drawing.size)
+    return stands_alone(root, drawing.size, [".linkage .name { display: none; }"])
 
 
 def stopped(scene: Scene, way: MotionRange) -> str:

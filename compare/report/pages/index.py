@@ -1,7 +1,6 @@
 """The page with all reports of a folder, a row each, by their `summary.json`."""
 
 from base64 import b64encode
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -38,12 +37,7 @@ def _row(folder: Path, known: Summary) -> dict[str, Any]:
         "stopped": not known.complete,
         "agreement": Agreement(word, known.verdict.sentence),
         "picture": b64encode(known.picture.encode()).decode(),  # as an image: no script of it can run
-        "peaks": list(_peaks(known)),
+        "peaks": [(capital(peak.name), written(peak.value, peak.unit, ALONE)) for peak in parted(known.peaks)[0]],
         "since": "the baseline" if known.since_baseline is not None else "the last run",
         "changes": known.since_last_run if known.since_baseline is None else known.since_baseline,
     }
-
-
-def _peaks(known: Summary) -> Iterator[tuple[str, str]]:
-    for peak in parted(known.peaks)[0]:
-        yield capital(peak.name), written(peak.value, peak.unit, ALONE)
