@@ -11,7 +11,8 @@ from .recorded.streams import Extremes, Grid, Histogram, Integral, reduce_many
 from .solve import solve, solver
 from .way.change_points import check_way
 from .way.slider import inverse
+from .way.stopped import stopped
 
 __all__ = ["Extremes", "Grid", "Histogram", "Integral", "Machines", "assemblies", "check_way", "departures"]
 __all__ += ["derivative_solver", "derivatives", "enclose", "fast_solver", "in_closed_form", "inverse", "many_solver"]
-__all__ += ["page_program", "reduce_many", "route", "solve", "solve_many", "solver"]
+__all__ += ["page_program", "reduce_many", "route", "solve", "solve_many", "solver", "stopped"]

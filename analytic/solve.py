@@ -202,7 +202,7 @@ def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples
     """Raise Failure, `cannot_assemble`, at the first position where a group does not reach."""
     if (opened := not_reached(linkage, k, position)) is not None:
         why = f"{where_open(scene, linkage, *opened)}; {describe(scene, linkage, opened[1])}"
-        raise Failure(Status.cannot_assemble, why)
+        raise Failure(Status.cannot_assemble, why, at=(opened[1], opened[0].P))
 
 
 def not_reached(linkage: Linkage, k: Kinematics, position: Samples) -> tuple[Dyad | Group, float] | None:

@@ -2,7 +2,7 @@
 
 import sys
 
-from .cli.command import CONSOLE, called, command, shown_progress, starting
+from .cli.command import CONSOLE, called, command, print_line, shown_progress, starting
 
 with starting(__name__):
     import argparse
@@ -62,16 +62,22 @@ def _run(options: argparse.Namespace) -> int:
     annotated: Any = nullcontext
     if options.format == "github":
         from .ci.github import refusals as annotated  # late, as below
-    scenes = []
+    scenes, refused = [], 0
     for name in options.scenes:
-        with annotated(name):
-            scenes.append(load(name))
+        try:
+            with annotated(name):
+                scenes.append(load(name))
+        except InputError as error:
+            print_line(str(error))
+            refused += 1
+    if not scenes:
+        return 2
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
     if options.baseline:
-        from .ci import baseline  # late, as below
+        from .report.output.earlier import read  # late, as below
 
-        options.baseline = {scene.name: baseline.read(options.baseline, scene) for scene in scenes}
+        options.baseline = {scene.name: read(options.baseline, scene) for scene in scenes}
     if options.result:
         from .results.result import read_results  # late, as below
 
@@ -96,16 +102,26 @@ def _run(options: argparse.Namespace) -> int:
     check_writable(options.out, places, own)
     for name, scene in places.items():
         files.check_origin(scene, options.out / name)
+    from .judge.floor import UnsolvedError
+
     missed = []
-    with shown_progress() as show:
-        for scene, request in zip(scenes, requests, strict=True):
-            with annotated(scene.file):
-                missed.append(run(scene, request, options, show))
+    try:
+        with shown_progress() as show:
+            for scene, request in zip(scenes, requests, strict=True):
+                try:
+                    with annotated(scene.file):
+                        missed.append(run(scene, request, options, show))
+                except UnsolvedError as unsolved:  # the others go on
+                    print_line(str(unsolved))
+                    refused += 1
+    finally:  # of those that are done, where the user stops too
+        if own == files.REPORT and (missed or refused) and options.out.is_dir():
+            print(f"index: {files.write_index(options.out)}")
     if options.full:
         from .measure.hard.case import forget
 
         forget(options.out)
-    return 1 if any(missed) else 0
+    return 2 if refused else 1 if any(missed) else 0
 
 
 def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:

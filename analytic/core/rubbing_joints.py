@@ -177,15 +177,16 @@ class FrictionBalance(Balance):
         if status is None:
             return
         row = int(self.stuck[status].argmax())
-        where = self.scene.where(float(self.given["position"][row]))
+        position = float(self.given["position"][row])
+        where = self.scene.where(position)
         if status is Status.undetermined:
-            raise Failure(status, f"friction leaves several sets of forces at {where}")
+            raise Failure(status, f"friction leaves several sets of forces at {where}", at=(position, ""))
 
         def jam() -> str:
             passing = self.passing(wanted, lambda count: at(np.full(count, first + row)))
             return f"friction jams it at {where}: it passes with {passing}"
 
-        raise Failure(status, jam)
+        raise Failure(status, jam, at=(position, ""))
 
     @np.errstate(all="ignore")
     def passing(self, wanted: AbstractSet[str] | None, at: Callable[[int], tuple[Given, Kinematics]]) -> str:

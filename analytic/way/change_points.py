@@ -60,7 +60,8 @@ def _look_closer(scene: Scene, linkage: Linkage, nearest: Dyad | Group, way: Sam
     if singular is not None:
         meet = not isinstance(singular, Group) and not guides_cross(singular)
         why = "two ways of assembling the bodies meet" if meet else "the linkage is singular"
-        raise Failure(Status.cannot_assemble, f"{why} at {scene.where(where)}: {in_line(singular)}")
+        reason = f"{why} at {scene.where(where)}: {in_line(singular)}"
+        raise Failure(Status.cannot_assemble, reason, at=(where, singular.P))
 
 
 def _to_lock(linkage: Linkage, k: Kinematics, way: Samples) -> dict[Dyad | Group, Samples]:

@@ -8,17 +8,15 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, isclose, prod
-from pathlib import Path
 from statistics import median
-from typing import Annotated, Any, TypeAlias
+from typing import Any, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
-
-from scenes import InputError, Scene
+from scenes import Scene
 from scenes.errors import one_line, path_in_file
 from scenes.fields import quantity_at
-from scenes.file.toml import SUMMARY_BYTES, read_text
 from scenes.scene import units_of_all
+
+from ..report.output.earlier import Json, Summary, SummaryError
 
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
 ROUNDING = 1e-12  # relative, over thousands of steps: what the reference itself promises
@@ -29,53 +27,7 @@ EPS = 1e-15  # in SI: what is left of a zero where a unit's conversion rounds
 LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
 BASE = {"m": "length", "kg": "mass", "N": "force", "rad": "angle"}  # what the scene's file names a unit of
 
-OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
-Json: TypeAlias = dict[str, Any]
 Place: TypeAlias = tuple[Any, ...]  # as ("scene", "bodies", "rod", "mass")
-
-
-class _Engine(BaseModel):
-    version: OneLine
-    status: OneLine
-    settings: dict[str, Any] | None  # of a result: its file and how it was read
-
-
-class _Error(BaseModel):
-    engine: OneLine
-    channel: OneLine
-    group: OneLine
-    max: FiniteFloat | None
-    floor: FiniteFloat | None
-    explained: FiniteFloat | None
-
-
-class _Peak(BaseModel):
-    name: OneLine
-    of: OneLine
-    value: FiniteFloat
-    unit: OneLine
-    differs: dict[OneLine, FiniteFloat | None]
-
-
-class _Choice(BaseModel):
-    group: OneLine
-    level: OneLine
-    engine: OneLine
-    note: OneLine
-    setting: OneLine
-    ratio: FiniteFloat | None = None  # of its time to that of the fastest engine of the same run
-
-
-class Summary(BaseModel):
-    """What is compared of a `summary.json`."""
-
-    scene: Json
-    sampling: Json
-    environment: dict[str, str]
-    engines: dict[OneLine, _Engine]
-    errors: list[_Error]
-    peaks: list[_Peak]
-    cheapest: list[_Choice]
 
 
 @dataclass(frozen=True)
@@ -89,32 +41,17 @@ class Change:
         return f"{'worse than' if self.worse else 'changed since'} the baseline: {self.text}"
 
 
-def read(path: Path, scene: Scene) -> Summary:
-    """The summary of an earlier run of a scene, by its `summary.json`, or the folder that it had as `--out`."""
-    file = path / scene.name / "summary.json" if path.is_dir() else path
-    shown = f"--baseline: {one_line(str(file))}"
-    try:
-        summary = Summary.model_validate_json(read_text(file, SUMMARY_BYTES))
-    except FileNotFoundError:
-        raise InputError(f"{shown}: cannot be read (No such file or directory)") from None
-    except InputError as error:
-        raise InputError(f"{shown}: {error}") from None
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = path_in_file((*first["loc"], ""))
-        raise InputError(f"{shown}: expected the summary.json of an earlier run; {place} {first['msg']}") from None
-    if summary.scene.get("name") != scene.name:
-        raise InputError(f"{shown}: expected a result of {scene.name}, found one of {summary.scene.get('name')}")
-    return summary
-
-
 def changes(old: Summary, new: Summary) -> list[Change]:
-    """What changed, the worse first."""
+    """What changed, the worse first; where one of the two could not run at all, only that and what was asked for."""
     before, after = (summary.model_dump(include={"scene", "sampling", "environment"}) for summary in (old, new))
     inputs = [each for each in _differences(before, after, new.scene) if each[0][1] not in LEFT_OUT]
     alike = all(path[0] == "environment" or path[1] == "tolerances" for path, _ in inputs)
+    given = [Change(_few([text for _, text in inputs]))] if inputs else []
+    if not (old.engines and new.engines):
+        became = Change("it runs" if new.engines else "it does not run", worse=not new.engines)
+        return [became, *given] if old.engines or new.engines else given
     changed = [
-        *([Change(_few([text for _, text in inputs]))] if inputs else []),
+        *given,
         *_engines(old, new),
         *_errors(old, new, alike=alike),
         *_peaks(old, new, alike=alike),
@@ -186,14 +123,14 @@ def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
         yield Change(f"{engine} {group}: {kind} {_few([text for _, text in sorted(texts)])}", worse=alike and larger)
 
 
-def _ratio(was: _Error, now: _Error) -> float:
+def _ratio(was: SummaryError, now: SummaryError) -> float:
     """How many times as large an error is, of what is above rounding, as it was in the baseline."""
     least = max(ABOVE_FLOOR * (was.floor or 0.0), was.explained or 0.0, ROUNDING)
     before, after = (inf if error.max is None else max(error.max, least) for error in (was, now))
     return 1.0 if before == after else after / before
 
 
-def _size(error: _Error) -> str:
+def _size(error: SummaryError) -> str:
     return "unknown" if error.max is None else f"{error.max:.1e}"
 
 

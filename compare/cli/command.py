@@ -4,7 +4,7 @@
 |---|---|
 | 0 | nothing |
 | 1 | a tolerance that was missed, or what else the command looks for |
-| 2 | bad input, a folder that cannot be written, too little memory, a package that is not installed |
+| 2 | bad input, a scene that cannot run, a folder that cannot be written, too little memory, a package not installed |
 | 70 | an error of the program itself; the environment variable `LINKAGE_TRACEBACK=1` shows where |
 | 130, 143 | Ctrl-C, SIGTERM |
 """
@@ -156,7 +156,7 @@ def command(run: Callable[P, int]) -> Callable[P, int]:
         if output.trouble:
             _to_nowhere(sys.stdout)
             if not isinstance(output.trouble, BrokenPipeError):
-                _report(f"standard output: {output.trouble.strerror}; what was to be printed is lost")
+                print_line(f"standard output: {output.trouble.strerror}; what was to be printed is lost")
                 status = status or 2
         return status
 
@@ -198,7 +198,7 @@ def _end(error: BaseException) -> int:
 
         traceback.print_exception(error)
     status, line = _ending(error)
-    _report(line)
+    print_line(line)
     exec("")  # else CPython ends by SIGINT where that met code from a string, as a named tuple's is
     return status
 
@@ -221,7 +221,7 @@ def _ending(error: BaseException) -> tuple[int, str]:
     return 70, f"internal error: {type(error).__name__}: {text}; {TRACEBACK}=1 shows where"
 
 
-def _report(line: str) -> None:
+def print_line(line: str) -> None:
     """Print a line for the user, if there is a place for it."""
     if sys.stderr is not None:
         try:

@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from math import isnan, nan
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from scenes import Sampling, Scene
 from scenes.errors import nearest
@@ -18,7 +18,7 @@ from ..engines import registry
 from ..measure.many.grid import grid
 
 if TYPE_CHECKING:
-    from ..ci.baseline import Change, Summary
+    from ..ci.baseline import Change
     from ..judge.agreement import Judgement
     from ..study import Study
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
     """Write one scene's report, and return whether it misses a tolerance."""
     from ..engines.processes.stopping import Stopped, stoppable
+    from ..judge.floor import UnsolvedError
     from ..measure.speed.timing import Budget
     from ..report.output import files as output
     from ..study import study
@@ -47,11 +48,18 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
             stopped = stopping()
     except Stopped:
         raise KeyboardInterrupt from None
+    except UnsolvedError as unsolved:
+        known = output.unsolved_summary(scene, request, unsolved)
+        folder = output.write_unsolved(scene, unsolved, options.out, known | _since(scene, options, known))
+        show_page("report", folder / "report.html", "", options)
+        raise
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
     show(f"{scene.name}: writing the report")
-    changed = _since(options.baseline[scene.name], result) if options.baseline and not stopped else None
-    folder = output.write(result, options.out, changed, complete=not stopped)
+    since = {} if stopped else _since(scene, options, output.summary(result))
+    if (changed := since.get("since_baseline")) is not None:
+        result.reasons.extend(map(str, changed) if changed else ["nothing changed since the baseline"])
+    folder = output.write(result, options.out, since, complete=not stopped)
     print_result(result)
     show_page("report", folder / "report.html", "what was done" if stopped else "", options)
     if not options.check:
@@ -63,15 +71,15 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
     return stops(scene, {scene.name: result}, options.format, worse)
 
 
-def _since(old: "Summary", result: "Study") -> list["Change"]:
-    """What changed since a baseline, which is added to what the user should know."""
-    from ..ci.baseline import Summary, changes
-    from ..report.output.files import summary
+def _since(scene: Scene, options: Namespace, known: Mapping[str, Any]) -> dict[str, list["Change"]]:
+    """What changed since the baseline and since the last run, for the summary, where there is one."""
+    from ..ci.baseline import changes
+    from ..report.output.earlier import Summary, last
     from ..report.plain import json_text
 
-    changed = changes(old, Summary.model_validate_json(json_text(summary(result))))
-    result.reasons.extend(map(str, changed) if changed else ["nothing changed since the baseline"])
-    return changed
+    new = Summary.model_validate_json(json_text(known))
+    old = {"since_baseline": (options.baseline or {}).get(scene.name), "since_last_run": last(options.out, scene)}
+    return {name: changes(before, new) for name, before in old.items() if before}
 
 
 def _in_full(result: "Study", options: Namespace, progress: Callable[[str], None]) -> "Study":
@@ -195,11 +203,13 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
 def assemblies(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
     """Write all assemblies of a scene, and return that no tolerance was missed: none is looked at, nor any sample."""
     del request
+    from ..judge.floor import solvable
     from ..report.output import files as output
     from ..report.tables.assemblies import sentence, ways
 
     show(f"{scene.name}: all assemblies")
-    every = registry.assemblies(scene)
+    with solvable(scene):
+        every = registry.assemblies(scene)
     folder = output.write_assemblies(scene, every, options.out)
     print(f"{scene.name}  {sentence(scene, every)}")
     for row in ways(scene, every):

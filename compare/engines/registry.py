@@ -6,9 +6,9 @@ from functools import cached_property
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, InputError, Motion, Scene, Settings, Status
+from scenes import Engine, Failure, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
-from scenes.model.enclosures import Assemblies, Enclosures
+from scenes.model.enclosures import Assemblies, Enclosures, MotionRange
 from scenes.model.motion import Samples
 
 from . import outside
@@ -159,6 +159,11 @@ def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
 def page_program(scene: Scene, position: Samples, time: Samples) -> Mapping[str, Any] | None:
     """Return the core's formulas as JavaScript, see `analytic.page_program`; None where they take iterations."""
     return cast("Mapping[str, Any] | None", import_module("analytic").page_program(scene, None, position, time))
+
+
+def stopped(scene: Scene, failure: Failure | None) -> MotionRange | None:
+    """Return how far a linkage goes that the reference failed on, by the analytic core; None where it has no pose."""
+    return cast("MotionRange | None", import_module("analytic").stopped(scene, failure and failure.at))
 
 
 def route(scene: Scene) -> str:

@@ -4,6 +4,8 @@ The reference is in doubt where it contradicts itself, or differs from arbitrary
 round-off explains. Then nothing is held against it.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
@@ -22,20 +24,37 @@ DRIVE = Settings("").drive_promise
 NO_ANSWER = {Status.unsupported, Status.timed_out, Status.not_converged, Status.crashed}  # which casts no doubt
 
 
+class UnsolvedError(InputError):
+    """The line on a scene that the reference cannot solve, and the failure behind it, if it is one of the core's."""
+
+    def __init__(self, text: str, failure: Failure | None = None) -> None:
+        super().__init__(text)
+        self.failure = failure
+
+
+@contextmanager
+def solvable(scene: Scene) -> Iterator[None]:
+    """Have what keeps the reference from solving a scene raise UnsolvedError."""
+    try:
+        yield
+    except (Stopped, UnsolvedError):
+        raise
+    except InputError as error:
+        raise UnsolvedError(str(error)) from None
+    except Failure as failure:
+        raise UnsolvedError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}", failure) from None
+    except Exception as error:  # a fault of the core's own, with which there is nothing to compare
+        raise UnsolvedError(f"{scene.file}: the reference failed: {described(error)}") from error
+
+
 def establish(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HERE) -> Reference:
     """Solve one cycle of the reference, take the scales from it, and certify it for some of the channels or all.
 
     Raises:
-        InputError: the reference cannot solve the scene, so that there is nothing to compare with.
+        UnsolvedError: the reference cannot solve the scene, so that there is nothing to compare with.
     """
-    try:
+    with solvable(scene):
         return solved(scene, channels, runs)
-    except (InputError, Stopped):
-        raise
-    except Failure as failure:
-        raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
-    except Exception as error:  # a fault of the core's own, with which there is nothing to compare
-        raise InputError(f"{scene.file}: the reference failed: {described(error)}") from error
 
 
 def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HERE) -> Reference:

@@ -27,6 +27,15 @@ class Enclosures:
 
 
 @dataclass(frozen=True)
+class MotionRange:
+    """How far a linkage goes that cannot run, and how it gets there."""
+
+    motion: Motion  # poses of points and bodies, SI, from where it stops back over the way that it goes
+    joint: str  # by which it stops there: of a pin its point, of a slide its slider; empty where none is known
+    ways: Sequence[tuple[float, float]]  # between which positions of the drive, rad or m, it goes
+
+
+@dataclass(frozen=True)
 class Assembly:
     """One way to put the bodies together at a position of the drive."""
 

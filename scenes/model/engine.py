@@ -43,9 +43,16 @@ class Status(Enum):
 class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
     """A run that ended with a status other than ok, and why in one sentence, which is found when it is asked for."""
 
-    def __init__(self, status: Status, reason: str | Callable[[], str], motion: Motion | None = None) -> None:
+    def __init__(
+        self,
+        status: Status,
+        reason: str | Callable[[], str],
+        motion: Motion | None = None,
+        at: tuple[float, str] | None = None,
+    ) -> None:
         super().__init__()
         self.status, self._reason = status, reason
+        self.at = at  # where one place of the drive is to blame, that, rad or m, and the joint that does not close
         self.motion = motion  # computed all the same, and not to be trusted, for those who ask how far off it is
 
     @cached_property

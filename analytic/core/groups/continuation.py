@@ -127,7 +127,7 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
         at_sketch = np.array([sketched_coordinates(scene, group, bodies)]), placed(first.position).pose
         open_by = misfit(scene, group, first.equations, *at_sketch)
         why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
-        raise Failure(Status.cannot_assemble, why)
+        raise Failure(Status.cannot_assemble, why, at=(start, group.P))
     if scene.driven_slide is not None:
         return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
     forward = _march(first, placed, turn)

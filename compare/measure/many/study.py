@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenes import Failure, InputError, Sampling, Scene, Status, numbers_in
+from scenes import Sampling, Scene, Status, numbers_in
 from scenes.file.changes import at_path
 from scenes.model.enclosures import Enclosure
 from scenes.model.motion import Samples
@@ -22,7 +22,7 @@ from ...engines.processes.isolation import isolated
 from ...engines.processes.stopping import Progress
 from ...engines.processes.workers import workers
 from ...judge.agreement import Judgement
-from ...judge.floor import establish
+from ...judge.floor import establish, solvable
 from ...judge.judgement import judgement
 from ...judge.peaks.numbers import CycleNumber
 from ...mechanics.reference import Reference
@@ -204,16 +204,14 @@ def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapp
 def begun(
     scene: Scene, count: int, seed: int, engines: Sequence[str], sampling: Sampling, progress: Progress
 ) -> MonteCarlo:
-    """The linkage as drawn, cross-checked; no machine is solved yet. InputError where the reference cannot solve it."""
+    """The linkage as drawn, cross-checked; no machine is solved yet. UnsolvedError of `establish`."""
     with workers([*engines, registry.ORACLE], lambda: None) as runs:
         reference = establish(scene, runs=runs)
         judged = judgement(reference, engines, sampling, balanced, progress, runs)
     progress("derivatives")
     paths = [variation.path for variation in scene.variations]
-    try:
+    with solvable(scene):
         machine = as_drawn(reference, paths)
-    except Failure as failure:
-        raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
     return MonteCarlo(count, seed, judged, Nominal(reference, machine, gradients(reference, machine, paths)))
 
 

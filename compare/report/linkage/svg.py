@@ -58,14 +58,19 @@ def by_itself(drawing: Drawing, frames: int) -> str:
     """A drawing that moves by itself through so many poses, or stands where there are none: an SVG without a script."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int).tolist()
     root, movers = picture(drawing)
-    style, own = [str(root[0].text), text("colours.css")], crc32(tostring(root))  # names of its own on a page
+    style, own = list[str](), crc32(tostring(root))  # names of its own on a page
     for number, mover in enumerate(movers if frames else []):
         name, shares = f"m{own:x}-{number}", np.linspace(0, 100, len(rows))
         mover.element.set("style", f"animation: {name} {PLAY:g}s linear infinite")
         poses = [f"{at:.4g}%{{transform:{mover.transform(n, css=True)}}}" for at, n in zip(shares, rows, strict=True)]
         style.append(f"@keyframes {name} {{ {' '.join(poses)} }}")
-    root[0].text = "\n".join(style)
-    root.attrib |= {side: f"{length / PX:.0f}" for side, length in zip(("width", "height"), drawing.size, strict=True)}
+    return stands_alone(root, drawing.size, style)
+
+
+def stands_alone(root: Element, size: tuple[float, float], more: Sequence[str] = ()) -> str:
+    """A picture, and more of its style, as an SVG of a size in its own units, which needs no page around it."""
+    root[0].text = "\n".join([str(root[0].text), text("colours.css"), *more])
+    root.attrib |= {side: f"{length / PX:.0f}" for side, length in zip(("width", "height"), size, strict=True)}
     return tostring(root, encoding="unicode")
 
 

@@ -4,31 +4,34 @@ import csv
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenes import InputError, Motion, Scene, shipped
+from scenes import InputError, Motion, Sampling, Scene, shipped
 from scenes.file.toml import SUMMARY_BYTES, read_text
 from scenes.model.enclosures import Assemblies, Enclosure
 from scenes.model.motion import header
 from scenes.scene import SI
 
 from ...engines.kept import environment
-from ...engines.registry import route
-from ...judge.agreement import worst_error
+from ...engines.registry import route, stopped
+from ...judge.agreement import Agreement, Word, worst_error
+from ...judge.floor import UnsolvedError
 from ...judge.judgement import off_sketch
 from ...judge.measure import Measurement
 from ...mechanics.axis import axis
 from ...study import Study
+from ..linkage.still import small
 from ..pages.report import page
 from ..plain import json_text
 from ..tables import TableRows
 from ..tables import speed as speed_tables
 from ..tables import study as tables
-from .placing import placed, remove
+from .placing import placed, remove, replace_file
 
 if TYPE_CHECKING:
     from ...measure.many.family import Family
@@ -43,8 +46,8 @@ ASSEMBLIES = ("assemblies.html", "assemblies.json")
 BLOCK = 4096  # rows of a motion that are text at a time
 
 
-def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, complete: bool = True) -> Path:
-    """Write a study's files into `folder/<scene>/` and return that folder; `changed` is what did since a baseline.
+def write(study: Study, folder: Path, since: Mapping[str, Any] | None = None, *, complete: bool = True) -> Path:
+    """Write a study's files into `folder/<scene>/` and return that folder; `since` is what changed, for the summary.
 
     One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
 
@@ -52,8 +55,8 @@ def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, c
         InputError: the folder cannot be written; what it held is then unchanged.
     """
     written = {"peaks": tables.peaks(study), "errors": tables.errors(study), "speed": speed_tables.every_setting(study)}
-    known = summary(study) | ({} if changed is None else {"since_baseline": changed})
-    with _result(study, folder, REPORT, known, page, complete=complete) as (aside, place):
+    known = summary(study) | {"picture": small(study.scene, study.motion), **(since or {})}
+    with _result(study.scene, folder, REPORT, known, partial(page, study), complete=complete) as (aside, place):
         for name, table in written.items():
             _write_table(table, aside / f"{name}.csv")
         _write_table([row._asdict() for row in study.proof.rows], aside / "enclosures.csv", Enclosure._fields)
@@ -65,6 +68,32 @@ def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, c
     return place
 
 
+def write_unsolved(scene: Scene, unsolved: UnsolvedError, folder: Path, known: Mapping[str, Any]) -> Path:
+    """Write `report.html` and `summary.json` of a scene that cannot run as `write` does, and return the folder."""
+    from ..linkage.still import sketched  # late, as what is of families
+    from ..pages.unsolved import unsolved_page
+
+    way = stopped(scene, unsolved.failure)
+    page = partial(unsolved_page, scene, unsolved, way, known.get("since_baseline", known.get("since_last_run", ())))
+    known = {**known, "picture": small(scene, way.motion) if way else sketched(scene)}
+    with _result(scene, folder, REPORT, known, page, complete=True) as (_, place):
+        return place
+
+
+def write_index(folder: Path) -> str:
+    """Write `index.html` over all reports of a folder, and return its path; or why it is not written."""
+    from ..pages.index import TITLE, index_page  # late, as it reads what the page of one scene does not
+
+    index = folder / "index.html"
+    try:
+        if index.exists() and f"<title>{TITLE}: cross-check</title>" not in read_text(index, SUMMARY_BYTES):
+            return f"{index} is left as it is: it is not of this program"
+        replace_file(index, partial(index_page, folder))
+    except (OSError, InputError) as error:
+        return f"{index} cannot be written ({getattr(error, 'strerror', None) or error})"
+    return str(index)
+
+
 def write_family(family: "Family", folder: Path) -> Path:
     """Write `family.html`, `family.json` and `family.csv` as `write` does, and return the folder."""
     from ..pages.many import family_page  # late, as what is of hard cases: no report of a scene needs it
@@ -72,7 +101,10 @@ def write_family(family: "Family", folder: Path) -> Path:
 
     varied = {variation.path: variation.values for variation in family.variations}
     known = {"varied": varied, "engines": family.engines, "environment": environment()}
-    with _result(family, folder, FAMILY, known, family_page, complete=family.complete) as (aside, place):
+    with _result(family.scene, folder, FAMILY, known, partial(family_page, family), complete=family.complete) as (
+        aside,
+        place,
+    ):
         _write_table(in_si(family), aside / "family.csv")
     return place
 
@@ -83,7 +115,9 @@ def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
     from ..tables.monte_carlo import in_si, summary
 
     known = summary(study) | {"environment": environment()}
-    with _result(study, folder, MONTE_CARLO, known, monte_carlo_page, complete=study.complete) as (aside, place):
+    with _result(
+        study.scene, folder, MONTE_CARLO, known, partial(monte_carlo_page, study), complete=study.complete
+    ) as (aside, place):
         _write_table(in_si(study), aside / "monte_carlo.csv")
     return place
 
@@ -101,19 +135,19 @@ def write_assemblies(scene: Scene, every: Assemblies, folder: Path) -> Path:
 
 @contextmanager
 def _result(
-    of: Any, folder: Path, own: Sequence[str], known: Mapping[str, Any], page: Callable[[Any], str], *, complete: bool
+    scene: Scene, folder: Path, own: Sequence[str], known: Mapping[str, Any], page: Callable[[], str], *, complete: bool
 ) -> Iterator[tuple[Path, Path]]:
     """Yield a folder for a result's tables, and its place; then it gets page and summary, which `own` begins with."""
-    place, partial = folder / of.scene.name, folder / f"{of.scene.name}{PARTIAL}"
+    place, unfinished = folder / scene.name, folder / f"{scene.name}{PARTIAL}"
     if not complete and _may_be_complete(place, own):
-        place = partial
+        place = unfinished
     with placed(folder, place.name, own) as aside:
         yield aside, place
-        head = {"complete": complete, "made_from": origin(of.scene, place), **known}
+        head = {"complete": complete, "made_from": origin(scene, place), **known}
         (aside / own[1]).write_text(json_text(head), encoding="utf-8")
-        (aside / own[0]).write_text(page(of), encoding="utf-8")
+        (aside / own[0]).write_text(page(), encoding="utf-8")
     if complete:
-        remove(partial, own)
+        remove(unfinished, own)
 
 
 def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
@@ -197,6 +231,12 @@ def summary(study: Study) -> dict[str, Any]:
         "step_costs": study.step_costs,
         "environment": environment(),
     }
+
+
+def unsolved_summary(scene: Scene, sampling: Sampling, unsolved: UnsolvedError) -> dict[str, Any]:
+    """What is known of a scene that cannot run, for `summary.json`."""
+    nothing = {"engines": {}, "peaks": (), "errors": (), "cheapest": (), "environment": environment()}
+    return {"scene": scene, "sampling": sampling, "verdict": Agreement(Word.not_solved, str(unsolved)), **nothing}
 
 
 def _engine(scene: Scene, measurement: Measurement) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -96,6 +96,22 @@ def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
         if made:
             with suppress(OSError):
                 place.parent.rmdir()  # empty, where nothing was written
+
+
+def replace_file(file: Path, text: Callable[[], str]) -> None:
+    """Write a file that takes the place of an older one in one step; OSError where that is impossible.
+
+    Its text is made under the lock of its folder, so that of two runs the later one writes what both have there.
+    """
+    with _locked(file.parent):
+        for left in file.parent.glob(f".{file.name}-????????"):  # by a run that was killed
+            left.unlink()
+        aside = _aside(file)
+        try:
+            aside.write_text(text(), encoding="utf-8")
+            aside.replace(file)
+        finally:
+            aside.unlink(missing_ok=True)
 
 
 def remove(folder: Path, own: Sequence[str]) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from math import degrees, isnan
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from scenes import Scene
 from scenes.model.motion import quantity
@@ -15,6 +15,9 @@ from ...mechanics.axis import DriveAxis, axis
 from ...study import Study
 from ..figures.style import colour
 from ..numbers import Units, capital, percent, written
+from ..output.earlier import SummaryPeak
+
+Number = TypeVar("Number", Peak, SummaryPeak)
 
 MEANINGS = {"quick return": "time to close over time to open"}  # where the name of a number leaves it open
 OF_A_PIN, OF_A_JOINT, OF_THE_DRIVE = ("fx",), ("fx", "guide_force", "guide_moment"), ("torque", "force")  # quantities
@@ -50,17 +53,22 @@ class Answer(NamedTuple):
 
 def answers(scene: Scene, peaks: Sequence[Peak], units: Units) -> tuple[list[Answer], list[Answer]]:
     """The numbers of the whole linkage, of the forces of its pins the largest; and those of every joint."""
-    over = axis(scene)
+    over, (whole, at_joints) = axis(scene), parted(peaks)
+    shown = [_answer(over, peak, units) for peak in whole]
+    for row, peak in enumerate(whole):
+        if peak in at_joints:
+            shown[row] = shown[row]._replace(name="Largest pin force", of=peak.of)
+    return shown, [_answer(over, peak, units) for peak in at_joints]
+
+
+def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
+    """The numbers of the whole linkage, the largest pin force before the drive's; and those of every joint."""
     at_joints = [peak for peak in peaks if quantity(peak.channel) in OF_A_JOINT]
     pins = [peak for peak in at_joints if quantity(peak.channel) in OF_A_PIN]
     whole = [peak for peak in peaks if peak not in at_joints and peak.value != 0]  # a cycle without losses has no work
-    shown = [_answer(over, peak, units) for peak in whole]
-    if pins:
-        largest = max(pins, key=lambda peak: peak.value)
-        drives = (row for row, peak in enumerate(whole) if quantity(peak.channel) in OF_THE_DRIVE)
-        named = _answer(over, largest, units)._replace(name="Largest pin force", of=largest.of)
-        shown.insert(next(drives, len(shown)), named)
-    return shown, [_answer(over, peak, units) for peak in at_joints]
+    drives = (row for row, peak in enumerate(whole) if quantity(peak.channel) in OF_THE_DRIVE)
+    whole[(at := next(drives, len(whole))) : at] = sorted(pins, key=lambda peak: peak.value)[-1:]
+    return whole, at_joints
 
 
 def _answer(over: DriveAxis, peak: Peak, units: Units) -> Answer:

@@ -1,0 +1,53 @@
+"""How far a linkage goes that cannot run, posed on the way there: for a picture of where it stops."""
+
+from math import inf, pi, remainder
+
+import numpy as np
+
+from scenes import Failure, Scene
+from scenes.model.enclosures import MotionRange
+from scenes.model.motion import kinematic_channels
+
+from ..core.decomposition import decompose
+from ..core.kinematics import followed
+from ..solve import prepared
+from .motion_range import motion_at, motion_range
+
+BESIDE = np.array([1e-9, 1e-6, 1e-4])  # of the way, before the end: the last of the poses that a singular one leaves
+POSES = 145
+
+
+def stopped(scene: Scene, at: tuple[float, str] | None) -> MotionRange | None:
+    """Return how far a linkage goes and the poses on the way, back from where it stops.
+
+    Args:
+        scene: the mechanism.
+        at: a position of the drive, rad or m, where it cannot go on, and a joint that does not close there; None where
+            no position is to blame.
+
+    Returns:
+        None where it has no pose at all.
+    """
+    start, (position, joint) = scene.drive.start, at or (scene.drive.start, "")
+    try:
+        linkage = followed(scene, decompose(scene))
+        intervals = motion_range(scene, linkage)
+    except Failure:
+        return None
+    ways = [(i.start, i.end) for i in intervals]
+    if intervals:
+        ends = [(i.start, i.end, i.start_joint) for i in intervals] + [(i.end, i.start, i.end_joint) for i in intervals]
+        turn = 2 * pi if scene.driven_slide is None else inf
+        end, begin, joint = min(ends, key=lambda way: abs(remainder(way[0] - position, turn)))
+    elif position != start:
+        end, begin, ways = position, start, [(min(start, position), max(start, position))]
+    else:
+        end, begin = start, max(scene.drive.extent, key=lambda other: abs(other - start))
+    way = end + (begin - end) * np.union1d(BESIDE, np.linspace(0, 1, POSES))
+    posed = motion_at(scene, linkage, way, rates=False).z
+    way = way[np.all([np.broadcast_to(np.isfinite(posed[point]), way.shape) for point in scene.moving_points], axis=0)]
+    if not len(way):
+        return None
+    places = frozenset(c for c in kinematic_channels(scene)[2:] if c.rpartition(".")[2] in ("x", "y", "angle"))
+    motion = prepared(scene, linkage, places, linkage.tracks)(way, np.zeros(len(way)))
+    return MotionRange(motion, joint, ways)

@@ -1,0 +1,75 @@
+"""The linkage as a picture that stands: small, without forces; where it stops and cannot run; its sketch alone."""
+
+from dataclasses import replace
+from math import ceil
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.model.enclosures import MotionRange
+
+from .drawing import MARGIN, PX, SIZE, Drawing
+from .svg import TO_NAME, picture, stands_alone, text
+
+ROWS = 120  # of a motion, for the paths of a small picture
+SMALL = 1.7  # times as large signs are in a small picture
+SHOWN = ("x", "y", "angle")  # quantities that a pose has
+
+
+def small(scene: Scene, motion: Motion) -> str:
+    """A motion's first pose and its paths, without names and forces, for a list of linkages: an SVG."""
+    stride = ceil(len(motion["time"]) / ROWS)
+    some = {c: v[::stride] for c, v in motion.samples.items() if c.rpartition(".")[2] in SHOWN}
+    drawing = _drawing(scene, Motion(some | {c: motion[c][::stride] for c in ("time", scene.drive_channel)}))
+    root, _ = picture(drawing)
+    root.set("style", f"--px: {SMALL * PX:.4f}")
+    return stands_alone(root, drawing.size, [".linkage .name { display: none; }"])
+
+
+def stopped(scene: Scene, way: MotionRange) -> str:
+    """The pose where a linkage stops, its joint that does not close marked, and the sketch dashed: an SVG."""
+    drawing = _drawing(scene, way.motion)
+    root, _ = picture(drawing)
+    for sketch in root.iterfind("g[@class='ghost']"):
+        del sketch.attrib["visibility"]
+    body = scene.bodies.get(way.joint)
+    if (point := body.points[0] if body else way.joint) in drawing.places:
+        _mark(root, complex(drawing.units(drawing.places[point])[0]))
+    return stands_alone(root, drawing.size)
+
+
+def sketched(scene: Scene, joint: str = "") -> str:
+    """The sketch of a linkage that has no pose, a joint of it marked: an SVG."""
+    drawn = np.array([*scene.drawn.values()])
+    low, high = complex(drawn.real.min(), drawn.imag.min()), complex(drawn.real.max(), drawn.imag.max())
+    scale = (SIZE - 2 * MARGIN) / (max((high - low).real, (high - low).imag) or 1.0)
+    margin = MARGIN * (1 + 1j)
+    at = dict(zip(scene.drawn, scale * (drawn - complex(low.real, high.imag)).conj() + margin, strict=True))
+    size = scale * (high - low) + 2 * margin
+    box = {"viewBox": f"0 0 {size.real:.1f} {size.imag:.1f}", "style": f"--px: {PX:.4f}"}
+    label = {"role": "img", "aria-label": f"{scene.title}: the sketch"}
+    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "class": "linkage"} | label | box)
+    SubElement(root, "style").text = text("linkage.css")
+    for body in scene.bodies.values():
+        corners = [at[point] for point in body.points if point in at]
+        around = "L".join(f"{corner.real:.1f} {corner.imag:.1f}" for corner in [*corners, *corners[:1]])
+        if corners:
+            SubElement(root, "path", {"class": "sketch", "d": f"M{around}"})
+    for point, place in at.items():
+        group = SubElement(root, "g", {"transform": f"translate({place.real:.1f} {place.imag:.1f})"})
+        SubElement(group, "circle", {"class": "sign pin", "r": "5"})
+        name = SubElement(group, "text", {"class": "sign name", "x": f"{TO_NAME / 2:g}", "y": f"{-TO_NAME / 2:g}"})
+        name.text = point
+    if joint in at:
+        _mark(root, at[joint])
+    return stands_alone(root, (size.real, size.imag))
+
+
+def _drawing(scene: Scene, motion: Motion) -> Drawing:
+    return Drawing(replace(scene, loads=(), friction=()), motion)
+
+
+def _mark(root: Element, place: complex) -> None:
+    group = SubElement(root, "g", {"transform": f"translate({place.real:.1f} {place.imag:.1f})"})
+    SubElement(group, "circle", {"class": "sign mark", "r": "15"})
