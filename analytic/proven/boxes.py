@@ -30,7 +30,10 @@ from ..recorded.arithmetics.taylor_models import TaylorModel, cos, parabola_most
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
 from ..solve import prepared
+from .branches import ROOM, Branches, branches
+from .extremes import LEAST
 
+FIRST = 64  # boxes of a range, before any is divided
 LAST_PLACE = 2.0**-52  # of a number of the file, which was rounded when it was read and when it became SI
 LAW = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and of a spline's equations
 STROKE, PARTS, STROKE_LEVELS = 512, 64, 3  # boxes of a cycle, parts of a box, levels: how a stroke's end is found
@@ -104,12 +107,19 @@ class Boxes:
                 known.c[3 + [*off].index(path)] = off[path]
         for group, track in self.core.linkage.tracks.items():
             self.numbers[inputs_of(group)[2]] = point(track.branch, self.like)
+        groups = self.program.closed.values()
+        self.poses = [make.component(one, i) for one in groups for i in range(len(one.of[0].coordinates))]
+        self.branches: Branches | None = None
+        if self.poses:
+            line, least = BoxLine(self.poses, self.like, self.numbers, room=ROOM), LEAST * np.ptp(self.ways.edges)
+            over, periodic = partial(self._over, line), scene.drive.periodic
+            self.branches = branches(over, self.ways.divided(FIRST), least, self.most, periodic=periodic)
         for place, load in scene.elements:
             if isinstance(load, PressForce) and place in self.program.strokes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
         wanted = [rows[name] for name in self.names] + conditions(self.program.reach)
-        self._line = BoxLine(wanted, self.like, self.numbers)
-        self._choices = BoxLine([*self.program.make.choices.values()], self.like, self.numbers)
+        self._line = self._line_of(wanted)
+        self._choices = self._line_of([*self.program.make.choices.values()])
 
     def __call__(self, low: Samples, high: Samples) -> tuple[TaylorModel, Numbers]:
         """The models of what is named and of the conditions, shape (rows, n), over boxes by their ends, shape (m,).
@@ -119,27 +129,38 @@ class Boxes:
         """
         given, own = self.given(low, high), np.arange(len(low))
         if self.program.make.choices:
-            made, own = _chosen(self._over(self._choices, given))
+            made, own = _chosen(self._over(self._choices, low, high, given))
             given = {name: picked(one, own) for name, one in given.items()}
             given |= {name: picked(made, row) for row, name in enumerate(self.program.make.choices)}
-        return self._over(self._line, given), own
+        return self._over(self._line, low[own], high[own], given), own
 
-    def _over(self, line: BoxLine, given: Mapping[str, TaylorModel]) -> TaylorModel:
-        """The models of a line's rows; all are of all boxes."""
-        parts = []
-        for first in range(0, len(given["position"].rest), BLOCK):
+    def _line_of(self, rows: Sequence[Expression]) -> BoxLine:
+        """The line that has rows, and the poses of larger groups."""
+        return BoxLine([*rows, *self.poses], self.like, self.numbers)
+
+    def _over(
+        self, line: BoxLine, low: Samples, high: Samples, given: Mapping[str, TaylorModel] | None = None
+    ) -> TaylorModel:
+        """The models of a line's rows, all of all boxes; none where a larger group may be on another branch."""
+        given, parts = given or self.given(low, high), []
+        for first in range(0, len(low), BLOCK):
             here = {name: picked(one, slice(first, first + BLOCK)) for name, one in given.items()}
             boxes = point(np.zeros(len(here["position"].rest)), self.like)
             parts.append(stacked([*line(here), boxes]))
-        c, rest = (np.concatenate([getattr(one, name) for one in parts], axis=-1) for name in ("c", "rest"))
-        return TaylorModel(c[:, :-1], rest[:-1])
+        c, rest = (np.concatenate([getattr(one, x) for one in parts], axis=-1)[..., :-1, :] for x in ("c", "rest"))
+        if self.branches is not None:
+            rows = len(rest) - len(self.poses)
+            poses = TaylorModel(c[:, rows:], rest[rows:])
+            known = self.branches.have(poses, low, high) | np.isinf(poses.rest).any(axis=0)
+            c, rest = c[:, :rows], np.where(known, rest[:rows], np.nan)
+        return TaylorModel(c, rest)
 
     def _stroke_end(self, displacement: Expression, closing: int) -> TaylorModel:
         """How far a cycle takes a slider in its closing direction, m: the most of boxes that may be the furthest."""
-        line = BoxLine([displacement], self.like, self.numbers)
+        line = self._line_of([displacement])
         low, high = self.ways.divided(STROKE)
         for _ in range(STROKE_LEVELS):
-            models = self._over(line, self.given(low, high))
+            models = self._over(line, low, high)
             c, rest = closing * models.c[:, 0], models.rest[0]
             top, off = parabola_most(c), rest + LAST_PLACE * np.abs(c).sum(axis=0)
             known = np.where(np.isnan(off), -np.inf, top - off)

@@ -10,10 +10,8 @@ from scenes.arguments import finite_numbers, known_names, refuse, scene_of
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
 
-from .boxes import Boxes
+from .boxes import FIRST, Boxes
 from .extremes import extremes
-
-FIRST = 64  # boxes of a range, before any is divided
 
 
 def enclose(

@@ -11,6 +11,7 @@ from scenes.model.motion import Samples
 from .taylor_models import ROUNDED, TINY, UP, TaylorModel
 
 SLACK = 1e-7  # of a bound
+ROUGH = 2.0**-40  # of a pose: it is alone within that at least, so that roundings are not too far where it stands still
 
 
 def stacked(models: Sequence[TaylorModel]) -> TaylorModel:
@@ -41,6 +42,11 @@ def _times(matrix: Samples, x: TaylorModel) -> TaylorModel:
 def _sum(x: TaylorModel) -> TaylorModel:
     """The sum of models over their second axis."""
     return TaylorModel(x.c.sum(axis=2), (x.rest + x.c.shape[2] * ROUNDED * x.most).sum(axis=1) * UP)
+
+
+def alone(x: TaylorModel, room: float) -> Samples:
+    """How far from poses, shape (k, n), there is no other, if in so many times their ball there is none."""
+    return np.asarray(room * (x.rest + ROUGH * x.most))
 
 
 def inverse_of(matrix: Samples) -> Samples:

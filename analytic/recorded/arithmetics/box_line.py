@@ -9,7 +9,7 @@ import numpy as np
 from scenes.model.motion import Samples
 
 from ..expressions import OPERATIONS, Closing, Expression, needed
-from .box_equations import contracted, inverse_of, picked, series, solution, stacked
+from .box_equations import alone, contracted, inverse_of, picked, series, solution, stacked
 from .in_numpy import NewtonsMethod
 from .taylor_models import EXACT, ROUNDED, RULES, TaylorModel, point
 
@@ -17,7 +17,8 @@ from .taylor_models import EXACT, ROUNDED, RULES, TaylorModel, point
 class Closed:
     """A larger group's coordinates over boxes, around the poses that Newton's method finds in their middles."""
 
-    def __init__(self, closing: Closing, like: int) -> None:
+    def __init__(self, closing: Closing, like: int, room: float) -> None:
+        self.room = room
         self.newton, self.k, self.like = NewtonsMethod(closing), len(closing.coordinates), like
         self.names = [one.of[0] for one in closing.coordinates]
         self.outer = closing.outer
@@ -44,9 +45,9 @@ class Closed:
         c = series(inverse, lambda c: equations(c, exactly)[0], start, like)
         c = np.where(np.isfinite(c).all(axis=(0, 1)), c, 0.0)
         open_by, J = equations(c, exactly)
-        tried = 2 * np.nan_to_num(contracted(inverse, open_by, J)[0])
+        tried = 2 * alone(TaylorModel(c, np.nan_to_num(contracted(inverse, open_by, J)[0])), self.room)
         d, holds = contracted(inverse, open_by, equations(c, tried)[1])
-        holds &= (d <= tried).all(axis=0)  # so that J was that of the whole ball
+        holds &= (alone(TaylorModel(c, d), self.room) <= tried).all(axis=0)  # so that J was that of the whole ball
         nowhere = np.isnan([start, *ends]).any(axis=1).all(axis=0)  # neither in the middle nor at an end
         unknown = np.where(nowhere, np.inf, np.nan)
         return TaylorModel(np.where(holds, c, 0.0), np.where(holds, d, unknown))
@@ -61,11 +62,13 @@ class BoxLine:
         like: int,
         numbers: Mapping[str, TaylorModel],
         known: AbstractSet[int] = frozenset(),
+        room: float = 1.0,
     ) -> None:
+        """Prepare it; the poses of larger groups are to be `alone` in so many times what they may be off by."""
         self.rows, self.like = expressions, like
         order = [one for one in needed(expressions, known) if one.order not in known]
         self.still: dict[int, TaylorModel] = {}
-        self.closed = {one.order: Closed(one.of[0], like) for one in order if one.operation == "closed"}
+        self.closed = {one.order: Closed(one.of[0], like, room) for one in order if one.operation == "closed"}
         self.order = [one for one in order if one.sampled]
         kept = {one.order for one in expressions}.union(known)
         with np.errstate(all="ignore"):

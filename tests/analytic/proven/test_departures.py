@@ -50,3 +50,10 @@ def test_departures_hold_over_jumps(name: str) -> None:
 def test_departures_hold_over_two_pieces_of_a_law() -> None:
     scene = scene_files.load("turning_law")
     assert all(off <= BY_DOUBLES for off in departed(scene, turn(scene, 40)).values())
+
+
+def test_larger_groups_are_the_same_a_turn_further() -> None:
+    scene, edges = scenes.load("class_iii"), np.linspace(1.0, 2.0, 9)
+    first, third = (analytic.departures(scene, edges + turns * 2 * np.pi, {"C.x"})["C.x"] for turns in (0, 2))
+    assert np.isfinite(first).all()
+    assert np.allclose(first, third, rtol=1e-6)
