@@ -22,7 +22,8 @@ if (diagram) {
   let scale = 0, whole = "";
   const point = ([x, y]) => `${(scale * x).toFixed(2)} ${(-scale * y).toFixed(2)}`;
   const follow = () => {
-    tip.setAttribute("d", `M0 0L${point(turned(now, channel => value(channel, now)))}`);
+    const end = point(turned(now, channel => value(channel, now)));
+    tip.setAttribute("d", /NaN/.test(end) ? "" : `M0 0L${end}`); // an edited linkage may have no pose here
     caption.textContent = `${whole} At ${position(now)}: ${tidy(chosenOne().factor * length(now), 4)} ${chosenOne().unit}.`;
     sheet.setAttribute("aria-label", caption.textContent);
   };
