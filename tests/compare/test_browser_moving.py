@@ -218,3 +218,14 @@ def test_magnified_differences(report: "Page", press_study: Study) -> None:
     assert abs(expected - places(report)["P5"]) > 0.5, "one sees it"
     report.select_option("[name=magnify]", value="0")
     assert report.locator("#linkage .engine").nth(1).get_attribute("d") == ""
+
+
+@pytest.mark.parametrize(("button", "begins"), [("svg", b"<svg"), ("film", bytes.fromhex("1a45dfa3"))])
+def test_the_picture_is_saved(report: "Page", tmp_path: Path, button: str, begins: bytes) -> None:
+    """As it stands, with its own style; or as a film, a WebM file."""
+    with report.expect_download(timeout=60_000) as download:
+        report.locator(f"#linkage button.{button}").click()
+    file = tmp_path / download.value.suggested_filename
+    download.value.save_as(file)
+    assert file.read_bytes().startswith(begins)
+    assert file.stat().st_size > 5000

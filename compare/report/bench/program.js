@@ -7,6 +7,8 @@ const given = Object.fromEntries(Object.entries(bench.given).map(([name, values]
 const rate = index["drive.speed"];
 const compiled = text => new Function(`return ${text}`)();
 const line = compiled(bench.line), strokes = Object.entries(bench.strokes).map(([name, s]) => [name, s, compiled(s.text)]);
+const angles = new Set(bench.channels.flatMap((channel, k) => (channel.endsWith(".angle") ? [`row[${k}]`] : [])));
+const quick = compiled(bench.line.split("\n").filter(text => !angles.has(text.split("[i]")[0])).join("\n")); // without them
 const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new Float64Array(n)); // the last: the reach
 const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
 const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
@@ -34,9 +36,9 @@ const inputs = (number, of = values => values) => Object.entries(given).map(([na
   const faster = name === "time" && rate !== undefined ? number[rate] / design[rate] : 1; // where a speed is edited
   return faster === 1 ? of(values) : of(values).map(time => time / faster);
 });
-const solve = (number, rows) => {
+const solve = (number, rows, by = line) => {
   for (const [name, stroke, run] of strokes) number[index[name]] = strokeEnd(number, stroke, run);
-  line(number, inputs(number), rows, count);
+  by(number, inputs(number), rows, count);
   return rows;
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
