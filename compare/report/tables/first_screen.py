@@ -1,10 +1,11 @@
 """What the first screen shows: the designer's numbers, one row an engine."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import degrees, isnan
 from typing import NamedTuple, TypeVar
 
-from scenes import Scene
+from scenes import Scene, Status
 from scenes.model.motion import quantity
 
 from ...engines.registry import REFERENCE
@@ -78,8 +79,16 @@ def _before(peak: Peak, was: float | None, units: Units) -> str:
     """What a number was, and its change in per cent."""
     if was is None:
         return ""
+    if abs(peak.value - was) <= SAME * abs(was):
+        return "same"
     change = f" ({100 * (peak.value / was - 1):+.3g}\u00a0%)".replace("-", "−") if was else ""
-    return f"{written(was, peak.unit, units)}{change if abs(peak.value - was) > SAME * abs(was) else ' (same)'}"
+    return f"{written(was, peak.unit, units)}{change}"
+
+
+def of_ok(study: Study) -> list[Peak]:
+    """The designer's numbers, with by how much each engine that is ok differs: what a rejected one has is no doubt."""
+    ok = {m.run.engine for m in study.measurements if m.run.status is Status.ok}
+    return [replace(p, differs={engine: by for engine, by in p.differs.items() if engine in ok}) for p in study.peaks]
 
 
 def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
