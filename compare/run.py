@@ -74,10 +74,11 @@ def _run(options: argparse.Namespace) -> int:
         return 2
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
-    if options.baseline:
+    if earlier := options.against or options.baseline:
         from .report.output.earlier import read  # late, as below
 
-        options.baseline = {scene.name: read(options.baseline, scene) for scene in scenes}
+        option = "--against" if options.against else "--baseline"
+        options.baseline = {scene.name: read(earlier, scene, option) for scene in scenes}
     if options.result:
         from .results.result import read_results  # late, as below
 
@@ -141,6 +142,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         ("accuracy", "many linkages take the engines' defaults"),
         ("channels", "the numbers are of all of them"),
         ("baseline", "a baseline is of one linkage"),
+        ("against", "an earlier run is of one linkage"),
         ("result", "a result is of one linkage"),
     ):
         if several and getattr(options, name):

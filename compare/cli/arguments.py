@@ -21,7 +21,7 @@ USAGE = (
     " [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
     " [--channels LIST] [--accuracy A] [--full] [--check] [--open]"
     " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
-    " [--monte-carlo N [--seed K] | --assemblies] [--format github] [--baseline FILE]"
+    " [--monte-carlo N [--seed K] | --assemblies] [--format github] [--baseline FILE | --against OLD]"
     " [--result NAME=FILE.csv ...]; or list, new NAME, map [SCENE] NAME=FILE.csv, version"
 )
 
@@ -68,7 +68,9 @@ def parser() -> argparse.ArgumentParser:
     about = "of --check: annotations and a step summary too"
     add("--format", choices=("plain", "github"), default="plain", help=about)
     about = "name what changed since the run that wrote this summary.json"
-    add("--baseline", type=Path, metavar="FILE", help=about)
+    earlier = parser.add_mutually_exclusive_group().add_argument
+    earlier("--baseline", type=Path, metavar="FILE", help=about)
+    earlier("--against", type=Path, metavar="OLD", help="the same, and draw that run beside this one in the report")
     add("--open", action="store_true", help="open each report in the browser when it is written")
     return parser
 

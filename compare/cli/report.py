@@ -29,6 +29,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
     from ..judge.floor import UnsolvedError
     from ..measure.speed.timing import Budget
     from ..report.output import files as output
+    from ..report.output.earlier import before
     from ..study import study
 
     def progress(doing: str) -> None:
@@ -59,7 +60,10 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
     since = {} if stopped else _since(scene, options, output.summary(result))
     if (changed := since.get("since_baseline")) is not None:
         result.reasons.extend(map(str, changed) if changed else ["nothing changed since the baseline"])
-    folder = output.write(result, options.out, since, complete=not stopped)
+    drawn = before(options.baseline[scene.name], options.against, scene) if options.against else None
+    if drawn and not drawn.motion.samples:
+        result.reasons.append("of the run before no motion is at hand: motion.analytic.csv beside its summary is drawn")
+    folder = output.write(result, options.out, since, drawn, complete=not stopped)
     print_result(result)
     show_page("report", folder / "report.html", "what was done" if stopped else "", options)
     if not options.check:

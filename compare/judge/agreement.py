@@ -213,7 +213,9 @@ def _contradiction(judged: Judgement, others: Sequence[Measurement]) -> str:
         names, verb = _listed([m.run.engine for m in off]), "disagrees" if len(off) == 1 else "disagree"
         which = "" if len(off) == 1 else f", most of all {worst.run.engine}"
         where = f"{by} in {error.channel}" if error else ""
-        return f"{names} {verb} with {name}{which}{where}{_cause(judged, worst.run.engine)}."
+        against = f"{names} {verb} with {name}{which}{where}{_cause(judged, worst.run.engine)}."
+        agreeing = [m for m in others if m.run.status is Status.ok]
+        return f"{against} {_confirmed(judged, agreeing)}." if agreeing else against
     ok = {m.run.engine for m in others if m.run.status is Status.ok}
     for gate in judged.held:
         if gate.missed and gate.engine in {REFERENCE, *ok}:

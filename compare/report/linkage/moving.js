@@ -43,7 +43,8 @@ const position = n => written(over(n), overPlaces) + (axis.unit === "deg" ? "°"
 const degrees = 180 / Math.PI;
 const inPicture = (x, y) => [(x - head.corner[0]) * head.perMetre, (head.corner[1] - y) * head.perMetre];
 const at = (point, n, engine = 0, times = 1) => {
-  if (point in head.ground) return inPicture(...head.ground[point]);
+  const ground = engine && engine === head.before?.number ? { ...head.ground, ...head.before.ground } : head.ground;
+  if (point in head.ground) return inPicture(...ground[point]);
   return inPicture(...["x", "y"].map(q => value(`${point}.${q}`, n) + times * difference(`${point}.${q}`, n, engine)));
 };
 const made = (name, parent, kind) => {
@@ -126,11 +127,13 @@ const pull = (n, engine) => {
 const outlines = engines.slice(1).map((_, e) => {
   const path = made("path", svg.querySelector(".engines"), "engine");
   path.style.stroke = head.colours[e + 1];
+  if (e + 1 === head.before?.number) path.style.strokeDasharray = "6 4";
   return path;
 });
 const magnified = (n, times) => outlines.forEach((path, e) => {
-  const corner = point => at(point, n, e + 1, times).map(z => z.toFixed(2)).join(" ");
-  const drawn = times ? head.outlines.map(points => `M${points.map(corner).join("L")}`).join("") : "";
+  const own = e + 1 === head.before?.number ? 1 : times; // an earlier run is always there, as it was
+  const corner = point => at(point, n, e + 1, own).map(z => z.toFixed(2)).join(" ");
+  const drawn = own ? head.outlines.map(points => `M${points.map(corner).join("L")}`).join("") : "";
   path.setAttribute("d", /NaN|Inf/.test(drawn) ? "" : drawn);
 });
 

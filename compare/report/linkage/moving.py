@@ -14,11 +14,14 @@ from scenes import Motion
 from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
+from ...judge.errors import Comparison
 from ...mechanics.axis import axis
 from ...study import Study
+from ..figures.before import BEFORE, at_positions
 from ..figures.curves import Panel, error
-from ..figures.style import DARK_GREY, colour
+from ..figures.style import DARK_GREY, GREY, colour
 from ..numbers import units
+from ..output.earlier import Before
 from ..pages.html import packed
 from .drawing import Drawing, arrows
 from .svg import outlines, picture
@@ -45,15 +48,18 @@ class PolarVector:
 class MovingPicture:
     """The picture of a study, and its data: the reference's motion, and those of the engines that have all samples."""
 
-    def __init__(self, study: Study, panels: Sequence[Panel]) -> None:
+    def __init__(self, study: Study, panels: Sequence[Panel], before: Before | None = None) -> None:
         scene = study.scene
         self.study, self.panels, self.drawing = study, panels, Drawing(scene, study.motion)
         self.svg = tostring(picture(self.drawing)[0], encoding="unicode")
-        self.engines = {
+        self.engines: dict[str, tuple[Comparison | None, Motion]] = {
             m.run.engine: (m.comparison, m.run.motion)
             for m in study.measurements
             if m.run.engine != REFERENCE and not m.foreign and m.run.motion is not None and m.comparison is not None
         }
+        self._ground = before.ground if before else {}
+        if before and axis(scene).channel in before.motion:
+            self.engines[BEFORE] = None, at_positions(scene, before.motion, study.motion)
         self.names = [REFERENCE, *self.engines]  # as they are numbered in the data
         self._effort = [c for c in (scene.effort_channel,) if c in study.motion]  # one, or none
         self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]
@@ -97,10 +103,12 @@ class MovingPicture:
         own = self._samples(self.study.motion)
         tables = [np.array([own[channel] for channel in self._channels])]
         for comparison, motion in self.engines.values():
-            samples, known = self._samples(motion), comparison.actual.keys()
+            samples, known = self._samples(motion), comparison.actual.keys() if comparison else set[str]()
             off = [samples[channel] - own[channel] for channel in self._compared]
             none = np.full(len(own["time"]), np.nan)
-            errors = (error(self.study, p, comparison) if known & {*p.judged} else none for p in self.panels)
+            errors = (
+                error(self.study, p, comparison) if comparison and known & {*p.judged} else none for p in self.panels
+            )
             tables.append(np.array([*off, *errors]))
         return tables
 
@@ -126,7 +134,11 @@ class MovingPicture:
             "channels": self._channels,
             "compared": len(self._compared),
             "engines": self.names,
-            "colours": [colour(numbers[name]) if name in numbers else DARK_GREY for name in self.names],
+            "colours": [
+                colour(numbers[name]) if name in numbers else GREY if name == BEFORE else DARK_GREY
+                for name in self.names
+            ],
+            "before": {"number": self.names.index(BEFORE), "ground": self._ground} if BEFORE in self.names else None,
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
             "perNewton": drawing.per_newton,
@@ -160,7 +172,9 @@ class MovingPicture:
         """Yield by how much differences can be magnified, and the engines whose largest one then shows."""
         by_step: dict[float, list[str]] = {}
         size = abs(self.drawing.box[1] - self.drawing.box[0])
-        for name, (_, motion) in self.engines.items():
+        for name, (comparison, motion) in self.engines.items():
+            if comparison is None:
+                continue
             off = [np.abs(motion[at] - self.study.motion[at]).max() for at in self._places if at in motion]
             fitting = STEPS[np.max(off, initial=0.0) * STEPS <= SEEN * size]
             if np.max(off, initial=0.0) > 0 and len(fitting):

@@ -1,14 +1,20 @@
 """Earlier runs, by their `summary.json`: whatever lies there, since a user may have put anything in its place."""
 
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
+import numpy as np
 from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
 
-from scenes import InputError, Scene
+from scenes import InputError, Motion, Scene
 from scenes.errors import at_place, one_line, path_in_file
 from scenes.file.toml import SUMMARY_BYTES, read_text
+from scenes.model.motion import Samples
+
+MOTION_BYTES = 2**28  # of a motion's file, at most
 
 OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
 Json: TypeAlias = dict[str, Any]
@@ -78,6 +84,30 @@ class Summary(BaseModel):
     since_last_run: list[_Change] | None = None
 
 
+@dataclass(frozen=True)
+class Before:
+    """An earlier run as the page of a later one shows it."""
+
+    peaks: Sequence[SummaryPeak]
+    ground: Mapping[str, tuple[float, float]]  # m, where its points were
+    motion: Motion  # of the reference; without channels where it is not at hand
+
+
+def before(summary: Summary, path: Path, scene: Scene) -> Before:
+    """An earlier run by its summary, and the motion that lies beside that, if it can be read."""
+    samples, ground = dict[str, Samples](), dict[str, tuple[float, float]]()
+    with suppress(InputError, OSError, ValueError, KeyError, TypeError, AttributeError):
+        ground = {str(point): (float(x), float(y)) for point, (x, y) in summary.scene["ground"].items()}
+        names, *rows = read_text(_file(path, scene).with_name("motion.analytic.csv"), MOTION_BYTES).splitlines()
+        values = np.array([row.split(",") for row in rows], np.float64).T
+        samples = dict(zip((name.partition(" [")[0] for name in names.split(",")), values, strict=True))
+    return Before(summary.peaks, ground, Motion(samples))
+
+
+def _file(path: Path, scene: Scene) -> Path:
+    return path / scene.name / "summary.json" if path.is_dir() else path
+
+
 def summary_of(file: Path) -> Summary:
     """What a file has, or InputError."""
     try:
@@ -92,7 +122,7 @@ def summary_of(file: Path) -> Summary:
 
 def read(path: Path, scene: Scene, option: str = "--baseline") -> Summary:
     """The summary of an earlier run of a scene, by its `summary.json`, or the folder that it had as `--out`."""
-    file = path / scene.name / "summary.json" if path.is_dir() else path
+    file = _file(path, scene)
     with at_place(f"{option}: {one_line(str(file))}"):
         summary = summary_of(file)
         if summary.scene.get("name") != scene.name:

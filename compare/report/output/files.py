@@ -31,6 +31,7 @@ from ..plain import json_text
 from ..tables import TableRows
 from ..tables import speed as speed_tables
 from ..tables import study as tables
+from .earlier import Before
 from .placing import placed, remove, replace_file
 
 if TYPE_CHECKING:
@@ -46,8 +47,17 @@ ASSEMBLIES = ("assemblies.html", "assemblies.json")
 BLOCK = 4096  # rows of a motion that are text at a time
 
 
-def write(study: Study, folder: Path, since: Mapping[str, Any] | None = None, *, complete: bool = True) -> Path:
-    """Write a study's files into `folder/<scene>/` and return that folder; `since` is what changed, for the summary.
+def write(
+    study: Study,
+    folder: Path,
+    since: Mapping[str, Any] | None = None,
+    before: Before | None = None,
+    *,
+    complete: bool = True,
+) -> Path:
+    """Write a study's files into `folder/<scene>/` and return that folder.
+
+    `since` is what changed, for the summary; `before` an earlier run that the page shows too.
 
     One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
 
@@ -56,7 +66,7 @@ def write(study: Study, folder: Path, since: Mapping[str, Any] | None = None, *,
     """
     written = {"peaks": tables.peaks(study), "errors": tables.errors(study), "speed": speed_tables.every_setting(study)}
     known = summary(study) | {"picture": small(study.scene, study.motion), **(since or {})}
-    with _result(study.scene, folder, REPORT, known, partial(page, study), complete=complete) as (aside, place):
+    with _result(study.scene, folder, REPORT, known, partial(page, study, before), complete=complete) as (aside, place):
         for name, table in written.items():
             _write_table(table, aside / f"{name}.csv")
         _write_table([row._asdict() for row in study.proof.rows], aside / "enclosures.csv", Enclosure._fields)

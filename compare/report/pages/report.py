@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from scenes import Motion
 from scenes.scene import ConstantSpeed
 
 from ...measure.speed.speed_table import SAMPLING
@@ -12,12 +13,14 @@ from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
 from ..bench.bench import Bench
+from ..figures.before import draw_before
 from ..figures.curves import assur_groups, chosen, friction, over_angle, over_distance
 from ..figures.figure import Attributes, Figure, affordable
 from ..figures.speed import work_precision
 from ..figures.style import FLOOR, ROUND_OFF
 from ..linkage.moving import MovingPicture
 from ..numbers import short, units
+from ..output.earlier import Before
 from ..tables import first_screen
 from ..tables import friction as friction_tables
 from ..tables import proof as proof_tables
@@ -26,20 +29,22 @@ from ..tables import study as tables
 from .html import render
 
 
-def page(study: Study) -> str:
-    """The whole report as HTML."""
-    scene, (drawn, left_out) = study.scene, chosen(study)
+def page(study: Study, before: Before | None = None) -> str:
+    """The whole report as HTML, beside an earlier run if there is one."""
+    scene, (drawn, left_out), earlier = study.scene, chosen(study), before or Before((), {}, Motion({}))
     panels = {panel.title: over_angle(study, panel) for panel in drawn}
+    for panel in drawn:
+        draw_before(panels[panel.title], scene, panel, earlier.motion)
     groups, distance = assur_groups(study), over_distance(study)
     most = affordable(figure.traces for figure in (*panels.values(), groups, distance) if figure is not None)
-    moving = MovingPicture(study, drawn)
+    moving = MovingPicture(study, drawn, before)
     return render(
         "report.html",
         most=most,
         study=study,
         tables=tables,
         speed=speed_tables,
-        answers=first_screen.answers(scene, study.peaks, units(study.reference)),
+        answers=first_screen.answers(scene, first_screen.of_ok(study), units(study.reference), earlier.peaks),
         engines=[*first_screen.engines(study)],
         moving=moving,
         bench=Bench(study, moving),

@@ -1,10 +1,11 @@
 """What the first screen shows: the designer's numbers, one row an engine."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import degrees, isnan
 from typing import NamedTuple, TypeVar
 
-from scenes import Scene
+from scenes import Scene, Status
 from scenes.model.motion import quantity
 
 from ...engines.registry import REFERENCE
@@ -19,6 +20,7 @@ from ..output.earlier import SummaryPeak
 
 Number = TypeVar("Number", Peak, SummaryPeak)
 
+SAME = 1e-9  # relative: less is no change
 MEANINGS = {"quick return": "time to close over time to open"}  # where the name of a number leaves it open
 OF_A_PIN, OF_A_JOINT, OF_THE_DRIVE = ("fx",), ("fx", "guide_force", "guide_moment"), ("torque", "force")  # quantities
 
@@ -44,6 +46,7 @@ class Answer(NamedTuple):
     direction: str
     differ: str  # by how much the engines differ at most
     each: str  # by how much each of them does
+    before: str = ""  # what it was in an earlier run, and by how much it changed since
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -51,14 +54,41 @@ class Answer(NamedTuple):
         return self.name, self.text, f"{self.of} {self.place.text if self.place else ''}".strip(), self.differ
 
 
-def answers(scene: Scene, peaks: Sequence[Peak], units: Units) -> tuple[list[Answer], list[Answer]]:
-    """The numbers of the whole linkage, of the forces of its pins the largest; and those of every joint."""
+def answers(
+    scene: Scene, peaks: Sequence[Peak], units: Units, before: Sequence[SummaryPeak] = ()
+) -> tuple[list[Answer], list[Answer]]:
+    """The numbers of the whole linkage, of the forces of its pins the largest; and those of every joint.
+
+    Each beside that of an earlier run, if there is one, the largest pin force beside the largest then, at whatever pin.
+    """
     over, (whole, at_joints) = axis(scene), parted(peaks)
-    shown = [_answer(over, peak, units) for peak in whole]
+    was = {(peak.name, peak.of): peak.value for peak in before}
+
+    def answer(peak: Peak) -> Answer:
+        return _answer(over, peak, units)._replace(before=_before(peak, was.get((peak.name, peak.of)), units))
+
+    shown, joints = ([answer(peak) for peak in some] for some in (whole, at_joints))
     for row, peak in enumerate(whole):
         if peak in at_joints:
-            shown[row] = shown[row]._replace(name="Largest pin force", of=peak.of)
-    return shown, [_answer(over, peak, units) for peak in at_joints]
+            largest = next((old.value for old in parted(before)[0] if quantity(old.channel) in OF_A_PIN), None)
+            shown[row] = shown[row]._replace(name="Largest pin force", of=peak.of, before=_before(peak, largest, units))
+    return shown, joints
+
+
+def _before(peak: Peak, was: float | None, units: Units) -> str:
+    """What a number was, and its change in per cent."""
+    if was is None:
+        return ""
+    if abs(peak.value - was) <= SAME * abs(was):
+        return "same"
+    change = f" ({100 * (peak.value / was - 1):+.3g}\u00a0%)".replace("-", "−") if was else ""
+    return f"{written(was, peak.unit, units)}{change}"
+
+
+def of_ok(study: Study) -> list[Peak]:
+    """The designer's numbers, with by how much each engine that is ok differs: what a rejected one has is no doubt."""
+    ok = {m.run.engine for m in study.measurements if m.run.status is Status.ok}
+    return [replace(p, differs={engine: by for engine, by in p.differs.items() if engine in ok}) for p in study.peaks]
 
 
 def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
