@@ -11,7 +11,7 @@ from compare.report.output import files
 from compare.study import Study
 from scenes import load
 from tests.comparisons import studied
-from tests.pages import silent
+from tests.pages import draw_all, silent
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -48,8 +48,5 @@ def report(browser: "Browser", press_report: Path) -> Iterator["Page"]:
     size = {"width": 1400, "height": 900}
     with silent(browser, press_report / "report.html", viewport=size, reduced_motion="reduce") as page:
         page.wait_for_selector("#linkage .player:not([hidden])")
-        page.wait_for_function("window.Plotly && document.querySelector('.js-plotly-plot')")
-        page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws every figure
-        page.wait_for_function("[...document.querySelectorAll('.plot')].every(plot => plot._fullLayout)")
-        page.evaluate("dispatchEvent(new Event('afterprint'))")
+        draw_all(page)
         yield page

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from compare.run import main
-from tests.pages import silent
+from tests.pages import draw_all, silent
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -21,11 +21,12 @@ CHOSEN = """() => ({
   spoken: document.getElementById('member').getAttribute('aria-valuetext'),
   heading: document.querySelector('#chosen h3').textContent,
   rows: [...document.querySelectorAll('#rows [aria-current=true]')].map(row => row.cells[0].textContent),
-  thick: [...new Set(document.querySelector('.plot').data
-    .filter(trace => trace.opacity === 1 && trace.line.width > 2).map(trace => trace.name))],
+  thick: [...new Set(document.querySelector('.plot').plot.panels.flatMap(({ u }) => u.series.slice(1))
+    .filter(({ alpha, width }) => alpha === 1 && width > 2).map(({ label }) => label))],
   numbers: Object.fromEntries([...document.querySelectorAll('#chosen tbody tr')].map(row =>
     [row.cells[0].textContent.toLowerCase(), +row.querySelector('data').value])),
 })"""
+SERIES = "document.querySelector('.plot').plot?.panels.flatMap(({ u }) => u.series.slice(1))"
 PLACES = "[...document.querySelectorAll('#chosen [data-point]')].map(e => getComputedStyle(e).transform)"
 GROUND = "document.querySelector('#chosen [data-point=O]:not([data-turn])').getAttribute('transform')"
 
@@ -43,9 +44,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def opened(browser: "Browser", folder: Path) -> Iterator["Page"]:
     """Yield the page with its curves drawn."""
     with silent(browser, folder / "family.html", viewport={"width": 1400, "height": 900}) as page:
-        page.wait_for_function("window.Plotly")
-        page.evaluate("document.querySelector('.plot').scrollIntoView()")
-        page.wait_for_function("document.querySelector('.plot').data?.some(trace => trace.opacity === 1)")
+        draw_all(page)
+        page.wait_for_function(f"{SERIES}?.some(({{ alpha, width }}) => alpha === 1 && width === 4)")
         yield page
 
 
@@ -53,9 +53,7 @@ def shows(page: "Page", folder: Path, value: int) -> None:
     """Check that all parts show one member, and its numbers in `family.csv`."""
     label = f"O-P3 = {value}"
     page.wait_for_function(f"document.querySelector('#chosen h3').textContent === '{label}'")
-    page.wait_for_function(
-        f"document.querySelector('.plot').data.every(trace => (trace.opacity === 1) === (trace.name === '{label}'))"
-    )
+    page.wait_for_function(f"{SERIES}.every(({{ alpha, label }}) => (alpha === 1) === (label === '{label}'))")
     chosen = page.evaluate(CHOSEN)
     assert (chosen["label"], chosen["spoken"], chosen["heading"]) == (label,) * 3
     assert (chosen["rows"], chosen["thick"]) == ([str(value)], [label])
@@ -86,13 +84,14 @@ def test_a_row_or_a_line_chooses_its_member(opened: "Page", folder: Path) -> Non
     shows(opened, folder, 290)
     opened.locator("#rows tr:has(th:text-is('250'))").click()  # which cannot run
     shows(opened, folder, 290)
-    opened.locator(".plot").scroll_into_view_if_needed()
+    opened.evaluate("document.querySelector('.u-over').scrollIntoView({ block: 'center' })")
     x, y = opened.evaluate(
-        """() => { const line = document.querySelectorAll('.plot .js-line')[0], box = line.getScreenCTM();
-          const { x, y } = line.getPointAtLength(line.getTotalLength() / 2).matrixTransform(box); return [x, y]; }"""
+        """() => { const { u, traces: [{ X, Y }] } = document.querySelector('.plot').plot.panels[0], n = X.length >> 1;
+          const box = u.over.getBoundingClientRect();
+          return [box.left + u.valToPos(X[n], 'x'), box.top + u.valToPos(Y[n], 'y')]; }"""
     )
     opened.mouse.move(x, y)
-    opened.wait_for_selector(".hoverlayer .hovertext")
+    assert "O-P3 = 270: " in opened.locator(".hover").inner_text()
     opened.mouse.click(x, y)
     shows(opened, folder, 270)
 

@@ -42,14 +42,15 @@ def places(page: "Page") -> dict[str, complex]:
 
 
 def cursors(page: "Page") -> list[dict[str, Any]]:
-    """Of every plot over the crank angle where its cursor is, and the ends of its axis; px, degrees."""
+    """Of every panel over the crank angle where its cursor is, and the ends of its axis; px, degrees."""
     plots: list[dict[str, Any]] = page.evaluate(
-        """[...document.querySelectorAll('.plot:has(.cursor)')].map(plot => {
-          const line = plot.querySelector('.cursor').getBoundingClientRect();
-          const drawn = plot.querySelectorAll('.nsewdrag')[0].getBoundingClientRect();
-          return { at: line.left + line.width / 2, top: line.top - drawn.top, start: drawn.left, end: drawn.right,
-            range: plot._fullLayout.xaxis2.range, height: line.height };
-        }).filter(plot => plot.height)"""
+        """[...document.querySelectorAll('.plot')].filter(plot => plot.plot.position !== undefined)
+          .flatMap(plot => plot.plot.panels).map(({ u }) => {
+            const line = u.over.querySelector('.cursor').getBoundingClientRect(), over = u.over.getBoundingClientRect();
+            const { min, max } = u.scales.x;
+            const at = line.left + line.width / 2;
+            return { at, start: over.left, end: over.right, range: [min, max], height: line.height };
+          }).filter(plot => plot.height)"""
     )
     return plots
 
@@ -90,7 +91,7 @@ def test_all_cursors_follow(report: "Page") -> None:
     for row in (10, ROW):
         scrub(report, row)
         plots = cursors(report)
-        assert len(plots) == 12  # 3 of the slider, 6 pins, guide, torque, Assur groups
+        assert len(plots) == 2 * 12  # 3 of the slider, 6 pins, guide, torque, Assur groups
         for plot in plots:
             least, largest = plot["range"]
             share = (360 * row / 72 - least) / (largest - least)
@@ -150,7 +151,7 @@ def test_dragging_over_a_plot(report: "Page") -> None:
     scrub(report, 0)
     plot = report.locator(".plot:has(.cursor)").first
     plot.scroll_into_view_if_needed()
-    box = plot.locator(".nsewdrag").first.bounding_box()
+    box = plot.locator(".u-over").first.bounding_box()
     assert box is not None
     y = box["y"] + box["height"] / 2
     report.mouse.move(box["x"] + 30, y)

@@ -114,9 +114,9 @@ def test_neither_what_is_heavy_nor_what_windows_lacks_is_needed_to_start() -> No
     assert ended(f"import sys, time; {lacking}; import compare.run, compare.cli.report") == (0, "", "")
 
 
-UNUSED = {  # packages, the part of plotly that checks figures, what is for families, failures and `--check`
-    *("dask", "exudyn", "flint", "narwhals", "numpy.ma", "pandas", "pint"),
-    *("plotly.graph_objects", "pymunk", "rich", "scipy"),
+UNUSED = {  # packages, and what is for families, failures and `--check`
+    *("IPython", "dask", "exudyn", "flint", "narwhals", "numpy.ma", "pandas", "pint"),
+    *("plotly", "pymunk", "rich", "scipy", "uplot"),
     *("compare.measure.many.family", "compare.judge.canaries", "compare.measure.hard.case", "compare.judge.triage"),
 }
 

@@ -148,12 +148,14 @@ def affordable(figures: Iterable[Iterable[Attributes]]) -> int:
 
 
 def thinned(traces: Iterable[Attributes], most: int = CURVE, precision: DTypeLike = np.float64) -> list[Attributes]:
-    """Traces with at most so many points a curve, and those in some precision."""
+    """Traces with at most so many points a curve, and those in some precision; curves of a stack have the same rows."""
     shown = [*traces]
+    stacked_up = [np.asarray(trace["y"]) for trace in shown if "stackgroup" in trace]  # over the same values
     for number, trace in enumerate(shown):
         if _is_curve(trace):
             x, y = np.asarray(trace["x"]), np.asarray(trace["y"])
-            rows = extremes(x, y, most)
+            together = stacked_up if "stackgroup" in trace else [y]
+            rows = np.unique(np.concatenate([extremes(x, other, most // len(together)) for other in together]))
             kept = (of[rows].astype(precision if of.dtype == np.float64 else of.dtype) for of in (x, y))
             shown[number] = {**trace, **dict(zip("xy", kept, strict=True))}
     return shown

@@ -186,15 +186,14 @@ const sum = ({ factors, magnitude }, n, engine) => {
 class Plot {
   constructor(section, panel) {
     this.plot = section.querySelector(".plot");
-    this.curves = panels[panel]?.curves ?? [];
-    if (panel >= 0) this.cells = this.table(section, panel);
+    Object.assign(this, { section, panel, curves: panels[panel]?.curves ?? [] });
     this.plot.addEventListener("drawn", () => (this.edit(), this.show(now)));
     seen.observe(section);
     plots.set(section, this);
     for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
   }
 
-  table(section, panel) {
+  table({ section, panel }) {
     const table = document.createElement("table"), { curves } = panels[panel], cells = [];
     table.className = "readout";
     const row = texts => {
@@ -228,6 +227,7 @@ class Plot {
   }
 
   show(n) {
+    if (this.near && this.panel >= 0) this.cells ??= this.table(this);
     if (this.near) this.cells?.forEach(([cell, text]) => (cell.textContent = text(n)));
     this.drawn?.show(over(n));
   }

@@ -58,13 +58,15 @@ const colour = ({ line, marker }) => shade(marker.color ?? line.color ?? "#55555
 
 // --- paths, by a function from numbers to px -------------------------------------------------------------------------
 
-const symbols = ({ marker: { symbol: of = "circle", size = 6 }, X, top }, place, ratio) => {
+const paths = {};
+const drawnOnce = name => (paths[name] ??= new Path2D(SYMBOLS[name]));
+const symbols = ({ marker: { symbol: of = "circle", size = 6, line: edge }, X, top }, place, ratio) => {
   const stroke = new Path2D(), fill = new Path2D(), radius = (size / 2) * ratio;
   for (let n = 0; n < X.length; n++) {
     const [x, y] = place(X[n], top[n]), name = Array.isArray(of) ? of[n] : of;
     if (Number.isNaN(x + y)) continue;
-    const path = new Path2D(SYMBOLS[name.replace("-open", "")]), there = new DOMMatrix([radius, 0, 0, radius, x, y]);
-    stroke.addPath(path, there);
+    const path = drawnOnce(name.replace("-open", "")), there = { a: radius, d: radius, e: x, f: y };
+    if (edge?.width) stroke.addPath(path, there);
     if (!/open|thin|y-up|asterisk/.test(name)) fill.addPath(path, there);
   }
   return { stroke, fill };

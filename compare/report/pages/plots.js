@@ -106,7 +106,8 @@ class Chart {
       ],
       cursor: {
         x: !this.linked, y: false, drag: { x: false, y: false }, points: { size: 7 },
-        dataIdx: (u, k) => nearest(u, traces[k - 1]), bind: { mousedown: () => null, dblclick: () => null },
+        move: (u, ...at) => (panel.pointer = at), dataIdx: (u, k) => nearest(u, panel.pointer, traces[k - 1]),
+        bind: { mousedown: () => null, dblclick: () => null }, // the figure's own are for all its panels
       },
       hooks: { draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)] },
     }, this.data(panel), place);
@@ -134,23 +135,25 @@ class Chart {
     return null;
   }
 
-  build() {
-    const { place } = this, group = (name, ...buttons) => element("span", { className: name, role: "group" }, ...buttons);
+  async build() { // aside: what is not yet in the page has no layout that a panel could ask for
+    const { place, layout } = this, host = element("div", { className: "panels" }), sized = [...this.columns((this.width = place.clientWidth))];
+    const group = (name, ...buttons) => element("span", { className: name, role: "group" }, ...buttons);
     const tools = [legend(this), ...menus(this).map(menu => group("menu", ...menu)), group("bar", ...bar(this))];
     this.text = element("div", { className: "hover", hidden: true });
-    this.host = element("div", { className: "panels" });
-    place.replaceChildren(element("div", { className: "tools" }, ...tools), this.host, this.text,
-      ...this.notes.map(textContent => element("p", { className: "soft small", textContent })), ...place.querySelectorAll(".paper"));
-    this.width = this.host.clientWidth;
-    const sized = [...this.columns(this.width)];
-    this.host.style.gridTemplateColumns = `repeat(${Math.max(...sized.map(([, , column]) => column)) + 1}, max-content)`;
+    host.style.gridTemplateColumns = `repeat(${Math.max(...sized.map(([, , column]) => column)) + 1}, max-content)`;
     for (const [panel, ...size] of sized) {
+      if (host.children.length) await new Promise(done => setTimeout(done)); // each by itself
       const own = element("div", {}, ...(panel.note ? [element("h4", { textContent: panel.note.text })] : []));
-      this.host.append(own);
-      panel.u = this.drawn([panel, ...size], devicePixelRatio, uPlot, own);
+      host.append(own);
+      panel.u?.destroy();
+      panel.u = this.drawn([panel, ...size], devicePixelRatio, uPlot(), own);
       panel.u.over.append(panel.line);
       listen(this, panel);
     }
+    await null; // by then they are drawn
+    place.replaceChildren(element("div", { className: "tools" }, ...tools), host, this.text,
+      ...this.notes.map(textContent => element("p", { className: "soft small", textContent })), ...place.querySelectorAll(".paper"));
+    place.dispatchEvent(new Event("drawn"));
   }
 
   refresh() {
@@ -226,36 +229,39 @@ class Chart {
 
 // --- the figures of the page: unpacked when there is time, each drawn near the viewport, by itself; all for a print ---
 
-const places = [...document.querySelectorAll("[data-figure]")];
-let library, uPlot, sharper, figures, turn = Promise.resolve();
-const compiled = ratio => Function(`${ratio ? `const devicePixelRatio = ${ratio};` : ""}${library}; return uPlot`)();
-const sharp = () => (sharper ??= compiled(SHARP));
+const places = [...document.querySelectorAll("[data-figure]")], once = make => {
+  let made;
+  return () => (made ??= make());
+};
+let library, packed, turn = Promise.resolve();
+const Intl = { NumberFormat: class { format = String; }, DateTimeFormat: class { resolvedOptions = Object; } }; // slow to start: texts are our own
+const compiled = (...ratio) => Function("Intl", ...ratio.map(() => "devicePixelRatio"), `${library}; return uPlot`)(Intl, ...ratio);
+const sharp = once(() => compiled(SHARP)), uPlot = once(() => compiled()), figures = once(() => JSON.parse(packed));
+const chart = place => (place.plot ??= new Chart(place, figures()[place.dataset.figure]));
 const inTurn = job => (turn = turn.then(() => new Promise(done => setTimeout(() => done(job())))));
-const chart = place => (place.plot ??= new Chart(place, figures[place.dataset.figure]));
 const draw = place => {
-  chart(place).build();
-  place.dispatchEvent(new Event("drawn"));
+  inTurn(figures);
+  inTurn(uPlot);
+  inTurn(() => chart(place).build());
 };
 const resized = new ResizeObserver(all => all.forEach(({ target, contentRect: { width } }) => {
-  if (width && target.plot?.width && Math.abs(width - target.plot.width) > 1) inTurn(() => draw(target));
+  if (width && target.plot?.width && Math.abs(width - target.plot.width) > 1) draw(target);
 }));
 const near = new IntersectionObserver(seen => seen.filter(entry => entry.isIntersecting).forEach(({ target }) => {
   near.unobserve(target);
-  inTurn(() => draw(target));
+  draw(target);
   resized.observe(target);
 }), { rootMargin: "600px" });
 
 requestIdleCallback(async () => {
-  library = await unpacked("uplot");
-  figures = JSON.parse(await unpacked("figures"));
-  uPlot = compiled();
+  [library, packed] = [await unpacked("uplot"), await unpacked("figures")];
   places.forEach(place => near.observe(place));
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   shades.clear();
-  places.filter(place => place.plot?.host).forEach(place => inTurn(() => draw(place)));
+  places.filter(place => place.plot?.width).forEach(place => draw(place));
 });
-addEventListener("beforeprint", () => figures && onPaper(() => Promise.all(places.map(async place => {
+addEventListener("beforeprint", () => packed && onPaper(() => Promise.all(places.map(async place => {
   place.querySelector(".paper")?.remove();
   place.append(await picture(chart(place), place.closest(".grid") ? 340 : 700, sharp())); // px of A4, as it is laid out there
 }))));

@@ -67,8 +67,8 @@ const menus = chart => (chart.layout.updatemenus ?? []).map(({ buttons }) => but
 
 // --- what is read off at the pointer ---------------------------------------------------------------------------------
 
-const nearest = (u, trace) => { // of a curve across, of points and cells in both directions
-  const { left, top } = u.cursor, x = u.posToVal(left, "x"), y = u.posToVal(top, "y"), markers = trace.mode === "markers";
+const nearest = (u, [left, top], trace) => { // of a curve across, of points and cells in both directions
+  const x = u.posToVal(left, "x"), y = u.posToVal(top, "y"), markers = trace.mode === "markers";
   const wide = u.posToVal(left + 1, "x") - x, high = u.posToVal(top + 1, "y") - y;
   let best = null, least = NEAR * (markers ? 1 : 1.5);
   if (left < 0 || trace.hoverinfo === "skip") return best;

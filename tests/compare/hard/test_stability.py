@@ -12,7 +12,7 @@ from compare.engines import registry
 from compare.engines.processes.stopping import Stopped
 from compare.judge.floor import establish
 from compare.measure.hard import stability
-from compare.report.figures.hard import LETTERS, stability_maps
+from compare.report.figures.hard import FAILED, LETTERS, stability_maps
 from compare.report.figures.offline import offline
 from scenes import Scene, Status
 from tests import scene_files
@@ -117,7 +117,7 @@ def test_a_stop_keeps_what_is_done(press: Scene) -> None:
     assert len(table) == 2
     assert said[0] == "stability of pymunk: 2 sweeps, 24 steps"
     (_, figure), *_ = stability_maps(table)
-    assert figure.traces[1]["z"].shape == (1, 2)
+    assert figure.traces[0]["text"].shape == (1, 2)
 
 
 def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -148,18 +148,21 @@ def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
     ((title, drawn),) = stability_maps(sweeps)
     figure = offline(drawn)
     assert "sweeps" in title
-    solved, failed, theory = figure.data
+    cells, theory = figure.data
+    seen = {True: [], False: []}
     for cell in sweeps.to_dict("records"):
         place = [72, 216].index(cell["steps"]), ["8", "64", "256"].index(cell["label"])
         fine = cell["status"] == "ok"
-        assert np.isnan(solved.z[place]) == (not fine)
-        assert np.isnan(failed.z[place]) == fine
+        seen[fine].append((cell["error"], cells.meta[place]))
         if fine:
-            assert solved.z[place] == pytest.approx(np.log10(cell["error"]))
-            assert float(solved.text[place]) == pytest.approx(cell["error"], rel=0.5)
+            assert float(cells.text[place]) == pytest.approx(cell["error"], rel=0.5)
         else:
-            assert failed.text[place] == LETTERS[Status[cell["status"]]]
-            assert cell["reason"].split()[0] in failed.customdata[place]
+            assert cells.text[place] == LETTERS[Status[cell["status"]]]
+            assert cell["reason"].split()[0] in cells.customdata[place]
+    assert {shade for _, shade in seen[False]} == {FAILED}
+    green = [int(shade[3:5], 16) for _, shade in sorted(seen[True])]  # which only grows along the scale
+    assert green == sorted(green)
+    assert len({*green}) == len(green) > 1
     # Between 8 and 64 sweeps, by the logarithm.
     assert theory.x[0] == pytest.approx(np.log(55 / 8) / np.log(64 / 8))
     key = figure.layout.annotations[-1].text

@@ -22,7 +22,7 @@ from scenes.model.motion import Samples
 from tests.comparisons import studied
 from tests.pages import unpacked, without_scripts
 
-LIMIT = 3e6  # bytes
+LIMIT = 1.1e6  # bytes
 TIMES = 200  # as many samples as there are
 
 
@@ -75,7 +75,7 @@ def long_page(result: Study) -> str:
 def test_a_long_run_has_a_page_that_opens_and_shows_its_worst_sample(long_page: str) -> None:
     assert len(long_page.encode()) < LIMIT
     library, *figures = unpacked(long_page)
-    assert "plotly.js" in library[:200]
+    assert "uPlot.js" in library[:200]
     with_errors = [values(figure, "f4") for figure in figures if '"name":"pymunk error"' in figure]
     assert any((drawn == 12.5).any() for drawn in with_errors)
     text = without_scripts(long_page)
