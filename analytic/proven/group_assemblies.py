@@ -15,6 +15,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
@@ -61,8 +62,7 @@ def poses(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[
     """
     b, p, on = equations.bodies, len(equations.S), equations.on
     joints, arms = np.concatenate([equations.S, equations.T]), np.concatenate([equations.R, equations.E])
-    column, turned = _attitudes(equations, placed, drive)
-    shown = np.eye(column.max() + 1)[column] * turned[:, np.newaxis]  # (frames, C + 1)
+    shown = _attitudes(equations, placed)
     null = np.linalg.svd(joints[:, :b])[0][:, b:].conj().T  # of full rank: else a body would hang on nothing
     free = [k for k in range(len(on)) if k != equations.driven]
     guides = -equations.along[:, np.newaxis] * shown[on]  # (s, C + 1)
@@ -83,36 +83,32 @@ def poses(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[
     return coordinates(z, np.angle(u[:, :b])), complete
 
 
-def _attitudes(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[Samples, Complex]:
-    """Which unknown angle each frame turns with, 0 of none, and by what it is turned besides, shape (frames,)."""
-    b = equations.bodies
-    ties = [(int(row.argmax()), int(row.argmin()), 1 + 0j) for row in equations.T]
+def _attitudes(equations: GroupEquations, placed: FramePoses) -> Complex:
+    """Each frame's attitude by the unknown angles, shape (frames, C + 1).
+
+    Frames that joints keep parallel, or the drive at an angle, turn together, what is placed not at all.
+    """
+    b, frames, ties = equations.bodies, equations.S.shape[1], equations.T
+    joined = np.abs(ties).T @ np.abs(ties) + np.eye(frames) > 0
     if len(equations.G) and equations.driven is None:
-        pair = equations.G[0] * (np.arange(equations.G.shape[1]) != _drive(equations))
-        ties.append((int(pair.argmax()), int(pair.argmin()), np.exp(1j * drive)))
-    known: dict[int, tuple[int, complex]] = {b + f: (0, complex(u)) for f, u in enumerate(placed.u)}
-    for body in range(b):
-        _tie(known, ties)
-        known.setdefault(body, (1 + max(column for column, _ in known.values()), 1 + 0j))
-    _tie(known, ties)
-    column, turned = zip(*(known[f] for f in range(b + len(placed.u))), strict=True)
-    return np.array(column), np.array(turned)
+        ties = np.concatenate([ties, equations.G])
+        unused = np.abs(np.concatenate([equations.S, equations.T])).sum(axis=0) == 0
+        drive = (unused & (equations.G[0] == -1)).argmax()  # the frame that stands for it: no joint is at that
+        pair = (equations.G[0] != 0) & (np.arange(frames) != drive)
+        joined |= np.outer(pair, pair)
+    angles = np.linalg.lstsq(ties[:, :b], -ties[:, b:] @ placed.angle, rcond=None)[0]
+    joined[b:, b:] = True
+    placed_first = np.roll(np.arange(frames), frames - b)
+    first = together(joined[np.ix_(placed_first, placed_first)])
+    column = np.unique(first, return_inverse=True)[1][np.argsort(placed_first)]
+    return np.asarray(np.eye(column.max() + 1)[column] * np.exp(1j * np.append(angles, placed.angle))[:, np.newaxis])
 
 
-def _drive(equations: GroupEquations) -> int:
-    """The frame that stands for the drive: no joint is at it."""
-    used = np.abs(equations.S).sum(axis=0) + np.abs(equations.T).sum(axis=0)
-    return int(np.flatnonzero((used == 0) & (equations.G[0] == -1))[0])
-
-
-def _tie(known: dict[int, tuple[int, complex]], ties: list[tuple[int, int, complex]]) -> None:
-    """Let frames turn with those that joints keep parallel to them, or the drive at an angle."""
-    for _ in ties:
-        for one, other, turn in ties:
-            if other in known:
-                known.setdefault(one, (known[other][0], known[other][1] * turn))
-            elif one in known:
-                known[other] = known[one][0], known[one][1] * turn.conjugate()
+def together(joined: Any) -> NDArray[np.intp]:
+    """The first of those that each is joined to, if by way of others, given which are joined; shape (n, n) to (n,)."""
+    for _ in range(len(joined).bit_length()):
+        joined = joined @ joined
+    return np.asarray(joined.argmax(axis=-1))
 
 
 def _zeros(loops: Loops, half: Samples) -> tuple[Samples, bool]:
