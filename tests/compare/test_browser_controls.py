@@ -253,11 +253,12 @@ def test_the_buttons_of_speed_change_its_numbers(report: "Page") -> None:
 
 def test_figures_are_light_or_dark_and_light_on_paper(report: "Page") -> None:
     ink = "[...document.querySelectorAll('.plot')].map(({ plot }) => plot.panels[0].u.axes[0].stroke())"
+    page = "getComputedStyle(document.documentElement).getPropertyValue('--ink').trim()"
     inks = {}
     for scheme in ("dark", "light"):
         report.emulate_media(color_scheme=scheme)
-        inks[scheme] = {*report.evaluate(ink)}
-        assert len(inks[scheme]) == 1
+        report.wait_for_function(f"{ink}.every(colour => colour === {page})", timeout=3000)
+        inks[scheme] = report.evaluate(page)
         report.evaluate("dispatchEvent(new Event('beforeprint'))")
         pictures = report.evaluate(
             """[...document.querySelectorAll('.plot')].map(plot => {

@@ -1,7 +1,8 @@
 // Draws figures, which are data in plotly's names, by uPlot, one of it a panel: legend, buttons and read-out are the
 // figure's. All scales are linear: of a logarithmic axis in its exponents. Other scripts have a figure as `place.plot`.
 
-const NARROW = 150, GAP = 14, TEXTS = 52; // px: a column, at least; between columns; the numbers along an axis
+// px: a column, at least; between columns; the numbers along an axis; from where on a drag is along both axes.
+const NARROW = 150, GAP = 14, TEXTS = 52, WIDE = 24;
 
 class Chart {
   hidden = new Set(); // groups of the legend
@@ -111,11 +112,11 @@ class Chart {
         axis("y", y, silent ? 6 : texts, y.title?.text ?? (column ? undefined : this.title), 32, silent),
       ],
       cursor: {
-        x: !this.linked, y: false, drag: { x: false, y: false }, points: { size: 7 },
+        x: !this.linked, y: false, points: { size: 7 }, bind: { dblclick: () => () => this.see({}) },
+        drag: { x: this.zooms, y: this.zooms, uni: WIDE, dist: 8, setScale: false },
         move: (u, ...at) => (panel.pointer = at), dataIdx: (u, k) => nearest(u, panel.pointer, traces[k - 1]),
-        bind: { mousedown: () => null, dblclick: () => null }, // the figure's own are for all its panels
       },
-      hooks: { draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)] },
+      hooks: { draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)], setSelect: [() => zoom(this, panel)] },
     }, this.data(panel), place);
   }
 
@@ -148,6 +149,8 @@ class Chart {
     const tools = [legend(this), group("menu", ...menu(this)), group("bar", ...bar(this))];
     this.text = element("div", { className: "hover", hidden: true });
     host.style.gridTemplateColumns = `repeat(${Math.max(...sized.map(([, , column]) => column)) + 1}, max-content)`;
+    host.onpointerdown = () => (this.dragged = false);
+    host.onclick = () => this.near && !this.dragged && place.dispatchEvent(new CustomEvent("chosen", { detail: this.near }));
     for (const [panel, ...size] of sized) {
       if (host.children.length) await new Promise(done => setTimeout(done)); // each by itself
       const own = element("div", {}, ...(panel.note ? [element("h4", { textContent: panel.note.text })] : []));
@@ -155,7 +158,6 @@ class Chart {
       panel.u?.destroy();
       panel.u = this.drawn([panel, ...size], devicePixelRatio, uPlot(), own);
       panel.u.over.append(panel.line);
-      listen(this, panel);
     }
     await null; // by then they are drawn
     const notes = this.notes.map(textContent => element("p", { className: "soft small", textContent }));

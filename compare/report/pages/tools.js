@@ -1,7 +1,7 @@
 // What a reader does with a figure: its legend and buttons, what is read off at the pointer, zoom by dragging, a picture.
 
 const ICON = 18, ROW = 22, SHARP = 3; // px: of a legend; dots a px of a picture
-const NEAR = 16, DRAGGED = 8, WIDE = 24, MOST = 8; // px: a point, a drag, one along both axes; values read out
+const NEAR = 16, MOST = 8; // px around a point; values read out
 const BUTTONS = { // each in a square of 16
   "Drag to zoom": "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4", "Zoom in": "M3 8h10M8 3v10", "Zoom out": "M3 8h10",
   "Reset axes": "M3 8a5 5 0 1 0 2-4M5 1v3h3", "Save as PNG": "M8 2v8M4.5 7 8 10.5 11.5 7M2 14h12",
@@ -50,7 +50,10 @@ const bar = chart => {
     return [axis, [lo + part * (hi - lo), hi - part * (hi - lo)]];
   })));
   const does = {
-    "Drag to zoom": ({ currentTarget }) => (currentTarget.ariaPressed = chart.zooms = !chart.zooms),
+    "Drag to zoom": ({ currentTarget }) => {
+      currentTarget.ariaPressed = chart.zooms = !chart.zooms;
+      for (const { u } of chart.panels) u.cursor.drag.x = u.cursor.drag.y = chart.zooms;
+    },
     "Zoom in": cut(0.25), "Zoom out": cut(-0.5), "Reset axes": () => chart.see({}), "Save as PNG": () => save(chart),
   };
   return Object.entries(BUTTONS).slice(chart.linked ? 0 : 1).map(([title, d]) => element("button", {
@@ -117,46 +120,14 @@ const readOut = (chart, u, { traces, x }) => {
   text.classList.toggle("left", left > over.width / 2);
 };
 
-// --- zoom by dragging ------------------------------------------------------------------------------------------------
-
-const listen = (chart, { u, names }) => {
-  const { over } = u;
-  let start = null;
-  const inside = ({ clientX, clientY }) => {
-    const { left, top } = over.getBoundingClientRect();
-    return [clientX - left, clientY - top];
-  };
-  const box = event => { // along both axes, or over the whole of one of them
-    const [x0, y0] = start, [x1, y1] = inside(event), dx = Math.abs(x1 - x0), dy = Math.abs(y1 - y0);
-    const across = dx > DRAGGED && (dx > WIDE || dy <= WIDE), up = dy > DRAGGED && (dy > WIDE || dx <= DRAGGED);
-    const [left, width] = across ? [Math.min(x0, x1), dx] : [0, over.clientWidth];
-    const [top, height] = up ? [Math.min(y0, y1), dy] : [0, over.clientHeight];
-    return { left, width, top, height, across, up };
-  };
-  const none = { width: 0, height: 0 };
-  over.ondblclick = () => chart.see({});
-  over.onpointerdown = event => {
-    if (!chart.zooms || event.button) return;
-    over.setPointerCapture(event.pointerId);
-    start = inside(event);
-  };
-  over.onpointermove = event => {
-    if (!start) return;
-    const { across, up, ...drawn } = box(event);
-    u.setSelect(across || up ? drawn : none, false);
-  };
-  over.onpointerup = over.onpointercancel = event => {
-    if (!start) return;
-    const { left, width, top, height, across, up } = box(event), view = { ...chart.view };
-    const ends = (scale, ...places) => places.map(place => u.posToVal(place, scale)).sort((a, b) => a - b);
-    start = null;
-    u.setSelect(none, false);
-    if (event.type === "pointercancel") return;
-    if (across) view[names.x] = ends("x", left, left + width);
-    if (up) view[names.y] = ends("y", top, top + height);
-    if (across || up) chart.see(view);
-    else if (chart.near) chart.place.dispatchEvent(new CustomEvent("chosen", { detail: chart.near }));
-  };
+const zoom = (chart, { u, names }) => { // to what was dragged over, along one axis or both
+  const { left, top, width, height } = u.select, { clientWidth, clientHeight } = u.over, view = { ...chart.view };
+  const ends = (scale, ...places) => places.map(place => u.posToVal(place, scale)).sort((a, b) => a - b);
+  if (width < clientWidth) view[names.x] = ends("x", left, left + width);
+  if (height < clientHeight) view[names.y] = ends("y", top, top + height);
+  u.setSelect({ width: 0, height: 0 }, false);
+  chart.dragged = true;
+  chart.see(view);
 };
 
 // --- a picture, for paper or a file ----------------------------------------------------------------------------------
