@@ -178,8 +178,8 @@ def test_what_is_edited_is_marked_and_no_engine_has_a_number(undone: "Page") -> 
     ok = undone.evaluate("getComputedStyle(document.querySelector('.verdict strong')).color")
     soft = undone.evaluate("getComputedStyle(document.querySelector('header .soft')).color")
     assert ok == soft, "no green"
+    undone.locator(".plot").first.scroll_into_view_if_needed()
     first = undone.locator(".readout").first
-    first.scroll_into_view_if_needed()
     undone.wait_for_function("document.querySelector('.readout td:not(:empty)')")
     assert {*first.locator("tr", has_text="exudyn").locator("td").all_text_contents()} == {"–"}
 

@@ -150,12 +150,13 @@ def affordable(figures: Iterable[Iterable[Attributes]]) -> int:
 def thinned(traces: Iterable[Attributes], most: int = CURVE, precision: DTypeLike = np.float64) -> list[Attributes]:
     """Traces with at most so many points a curve, and those in some precision; curves of a stack have the same rows."""
     shown = [*traces]
-    stacked_up = [np.asarray(trace["y"]) for trace in shown if "stackgroup" in trace]  # over the same values
+    stack = [np.asarray(trace["y"]) for trace in shown if "stackgroup" in trace]
     for number, trace in enumerate(shown):
         if _is_curve(trace):
             x, y = np.asarray(trace["x"]), np.asarray(trace["y"])
-            together = stacked_up if "stackgroup" in trace else [y]
-            rows = np.unique(np.concatenate([extremes(x, other, most // len(together)) for other in together]))
+            together = stack if "stackgroup" in trace else [y]
+            each = [extremes(x, other, most // len(together)).tolist() for other in together]
+            rows = np.array(sorted({row for rows in each for row in rows}))
             kept = (of[rows].astype(precision if of.dtype == np.float64 else of.dtype) for of in (x, y))
             shown[number] = {**trace, **dict(zip("xy", kept, strict=True))}
     return shown

@@ -54,7 +54,7 @@ def _line(family: Family, member: Member) -> dict[str, object]:
     value, *rest = member.changes.values()
     share = (value - min(first)) / ((max(first) - min(first)) or 1.0)
     dash = DASHES[sorted(set(others[0])).index(rest[0]) % len(DASHES)] if rest else DASHES[0]
-    return {"color": graded(0.9 * share), "dash": dash, "width": 1.5}  # its end is too pale
+    return {"color": graded(0.25 + 0.6 * share), "dash": dash, "width": 1.5}  # its ends are seen on one ground alone
 
 
 def histograms(study: MonteCarlo) -> Figure:

@@ -2,9 +2,14 @@
 
 from functools import partialmethod
 
-from plotly.graph_objects import Figure as PlotlyFigure
+from scenes import InputError
 
 from .figure import Figure, thinned
+
+try:
+    from plotly.graph_objects import Figure as PlotlyFigure
+except ImportError:
+    raise InputError("plot: plotly is not installed: pip install 'linkage-crosscheck[plots]'") from None
 
 TEMPLATE = "plotly_white"
 # Every button by name, so that none comes in with another version of plotly; nothing in a figure leads to another host.

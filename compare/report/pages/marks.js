@@ -5,15 +5,21 @@ const DASHES = { dash: [8, 5], dot: [2, 3], dashdot: [8, 4, 2, 4], longdash: [14
 const FONT = "12px system-ui, sans-serif";
 const SYMBOLS = { // within a circle of radius 1, or a little more
   circle: "M1 0A1 1 0 1 1-1 0 1 1 0 1 1 1 0z", square: "M-.9-.9H.9V.9H-.9z", diamond: "M0-1.3 1.3 0 0 1.3-1.3 0z",
-  cross: "M-.4-1.1H.4V-.4H1.1V.4H.4V1.1H-.4V.4H-1.1V-.4H-.4z", x: "M-1.1-.5-.5-1.1 0-.6.5-1.1 1.1-.5.6 0 1.1.5.5 1.1 0 .6-.5 1.1-1.1.5-.6 0z",
-  star: "M0-1.5.4-.5 1.4-.5.6.2.9 1.2 0 .6-.9 1.2-.6.2-1.4-.5-.4-.5z", "star-square": "M-1.1-1.1 0-.5 1.1-1.1.5 0 1.1 1.1 0 .5-1.1 1.1-.5 0z",
+  cross: "M-.4-1.1H.4V-.4H1.1V.4H.4V1.1H-.4V.4H-1.1V-.4H-.4z",
+  x: "M-1.1-.5-.5-1.1 0-.6.5-1.1 1.1-.5.6 0 1.1.5.5 1.1 0 .6-.5 1.1-1.1.5-.6 0z",
+  star: "M0-1.5.4-.5 1.4-.5.6.2.9 1.2 0 .6-.9 1.2-.6.2-1.4-.5-.4-.5z",
+  "star-square": "M-1.1-1.1 0-.5 1.1-1.1.5 0 1.1 1.1 0 .5-1.1 1.1-.5 0z",
   "x-thin": "M-.9-.9.9.9M.9-.9-.9.9", "cross-thin": "M0-1.3V1.3M-1.3 0H1.3", "y-up": "M0-1.3V0L1.1.7M0 0-1.1.7",
   asterisk: "M-.9-.9.9.9M.9-.9-.9.9M0-1.2V1.2M-1.2 0H1.2",
 };
 
 const array = of => (of?.bdata ? new ARRAYS[of.dtype](bytes(of.bdata).buffer) : of ?? []);
 const scaled = (values, log) => Float64Array.from(values, log ? v => (v > 0 ? Math.log10(v) : NaN) : v => v ?? NaN);
-const extent = values => values.reduce(([lo, hi], v) => [v < lo ? v : lo, v > hi ? v : hi], [Infinity, -Infinity]);
+const extent = values => {
+  let lo = Infinity, hi = -Infinity;
+  for (const v of values) [lo, hi] = [v < lo ? v : lo, v > hi ? v : hi];
+  return [lo, hi];
+};
 const ruler = document.createElement("canvas").getContext("2d");
 const measured = text => ((ruler.font = FONT), ruler.measureText(text).width);
 
@@ -39,33 +45,33 @@ const ticks = (lo, hi, most, { tickvals, ticktext, type, dtick }) => {
   const within = places => places.filter(([v]) => v >= lo && v <= hi);
   if (tickvals) return within(tickvals.map((v, k) => [v, ticktext[k]]));
   if (type !== "log") return even(lo, hi, most, dtick);
-  const whole = even(lo, hi, most, dtick ?? 1).filter(([n]) => Number.isInteger(n)), tens = Math.floor(lo);
-  if (whole.length > (dtick ? 1 : 2)) return whole.map(([n]) => [n, power(n)]);
-  const between = [0, 1, 2, 3].flatMap(k => [1, 2, 5].map(m => m * 10 ** (tens + k))).map(v => [Math.log10(v), tidy(v)]);
-  const some = within(between), few = some.length > 1 ? some : even(10 ** lo, 10 ** hi, most).map(([v, text]) => [Math.log10(v), text]);
-  return few.length <= most || whole.length < 2 ? few : whole.map(([n]) => [n, power(n)]);
+  const whole = even(lo, hi, most, dtick ?? 1).filter(([n]) => Number.isInteger(n)).map(([n]) => [n, power(n)]);
+  const inScale = (v, text = tidy(v)) => [Math.log10(v), text];
+  const tens = [0, 1, 2, 3].map(k => 10 ** (k + Math.floor(lo)));
+  const between = within(tens.flatMap(ten => [inScale(ten), inScale(2 * ten), inScale(5 * ten)]));
+  const few = between.length > 1 ? between : even(10 ** lo, 10 ** hi, most).map(one => inScale(...one));
+  return whole.length > (dtick ? 1 : 2) || (whole.length > 1 && few.length > most) ? whole : few;
 };
 
 // --- colours, of the page as it is, light or dark --------------------------------------------------------------------
 
 const shades = new Map();
 const shade = name => {
-  const own = name.startsWith("#") ? `--of-${name.slice(1)}` : name;
-  if (!shades.has(name)) shades.set(name, getComputedStyle(document.documentElement).getPropertyValue(own).trim() || name);
+  const own = name.startsWith("#") ? `--of-${name.slice(1)}` : name, style = getComputedStyle(document.documentElement);
+  if (!shades.has(name)) shades.set(name, style.getPropertyValue(own).trim() || name);
   return shades.get(name);
 };
 const colour = ({ line, marker }) => shade(marker.color ?? line.color ?? "#555555");
 
 // --- paths, by a function from numbers to px -------------------------------------------------------------------------
 
-const paths = {};
-const drawnOnce = name => (paths[name] ??= new Path2D(SYMBOLS[name]));
+const outlines = Object.fromEntries(Object.entries(SYMBOLS).map(([name, d]) => [name, new Path2D(d)]));
 const symbols = ({ marker: { symbol: of = "circle", size = 6, line: edge }, X, top }, place, ratio) => {
   const stroke = new Path2D(), fill = new Path2D(), radius = (size / 2) * ratio;
   for (let n = 0; n < X.length; n++) {
     const [x, y] = place(X[n], top[n]), name = Array.isArray(of) ? of[n] : of;
     if (Number.isNaN(x + y)) continue;
-    const path = drawnOnce(name.replace("-open", "")), there = { a: radius, d: radius, e: x, f: y };
+    const path = outlines[name.replace("-open", "")], there = { a: radius, d: radius, e: x, f: y };
     if (edge?.width) stroke.addPath(path, there);
     if (!/open|thin|y-up|asterisk/.test(name)) fill.addPath(path, there);
   }
@@ -85,6 +91,6 @@ const line = ({ line: { shape }, low, X, top }, place) => {
   return { stroke, fill };
 };
 const placing = ({ valToPos }) => {
-  const [x, y] = [valToPos(0, "x", true), valToPos(0, "y", true)], [wide, high] = [valToPos(1, "x", true) - x, valToPos(1, "y", true) - y];
-  return (a, b) => [x + wide * a, y + high * b];
+  const [x, wide] = [0, 1].map(v => valToPos(v, "x", true)), [y, high] = [0, 1].map(v => valToPos(v, "y", true));
+  return (a, b) => [x + (wide - x) * a, y + (high - y) * b];
 };

@@ -1,7 +1,8 @@
-// Draws figures, data in plotly's names, by uPlot, one of it a panel: legend, buttons and read-out are the whole figure's.
-// All scales are linear: of a logarithmic axis that of the exponents. `place.plot` is what other scripts have of a figure.
+// Draws figures, which are data in plotly's names, by uPlot, one of it a panel: legend, buttons and read-out are the
+// figure's. All scales are linear: of a logarithmic axis in its exponents. Other scripts have a figure as `place.plot`.
 
-const NARROW = 150, GAP = 14, TEXTS = 52; // px: of a column, between columns, of the numbers along an axis
+// px: a column, at least; between columns; the numbers along an axis; from where on a drag is along both axes.
+const NARROW = 150, GAP = 14, TEXTS = 52, WIDE = 24;
 
 class Chart {
   hidden = new Set(); // groups of the legend
@@ -11,10 +12,11 @@ class Chart {
   constructor(place, { data, layout }) {
     const panels = new Map(), { annotations = [], dragmode, yaxis } = layout;
     for (const trace of data) {
-      const name = trace.xaxis.slice(1), x = layout[`xaxis${name}`], y = layout[`yaxis${name}`], [lo, hi] = x.domain;
-      const note = annotations.find(n => n.y === y.domain[1] && Math.abs(n.x - (lo + hi) / 2) < 1e-9);
-      const names = { x: x.matches ?? `x${name}`, y: y.matches ?? `y${name}` }, line = element("div", { className: "cursor" });
-      if (!panels.has(name)) panels.set(name, { number: +name || 1, x, y, names, note, line, traces: [] });
+      const name = trace.xaxis.slice(1), x = layout[`xaxis${name}`], y = layout[`yaxis${name}`];
+      const note = annotations.find(n => n.y === y.domain[1] && x.domain[0] < n.x && n.x < x.domain[1]); // its title
+      const names = { x: x.matches ?? `x${name}`, y: y.matches ?? `y${name}` }; // of the axes, which panels share
+      const line = element("div", { className: "cursor" }), number = +name || 1;
+      if (!panels.has(name)) panels.set(name, { number, x, y, names, note, line, traces: [] });
       panels.get(name).traces.push(this.read({ line: {}, marker: {}, mode: "lines", ...trace }, x, y));
     }
     this.panels = [...panels.values()];
@@ -22,7 +24,8 @@ class Chart {
     this.listed = this.traces.filter(({ showlegend }) => showlegend);
     this.notes = annotations.filter(note => !this.panels.some(panel => panel.note === note)).map(({ text }) => text);
     const over = this.panels.at(-1).x.title?.text; // what all panels are drawn over
-    Object.assign(this, { place, layout, over, linked: dragmode === false, zooms: dragmode !== false, title: yaxis.title?.text });
+    const linked = dragmode === false; // to the linkage, which a drag moves
+    Object.assign(this, { place, layout, over, linked, zooms: !linked, title: yaxis.title?.text });
     this.stack();
   }
 
@@ -31,7 +34,8 @@ class Chart {
     if (trace.type === "heatmap") { // its cells, row by row
       const wide = trace.text[0].length, cells = trace.text.flat().map((_, n) => n);
       for (const name of ["text", "customdata", "meta"]) trace[name] = trace[name].flat();
-      Object.assign(trace, { x: cells.map(n => n % wide), y: cells.map(n => Math.floor(n / wide)), box: n => [trace.x[n] - 0.5, trace.x[n] + 0.5] });
+      Object.assign(trace, { x: cells.map(n => n % wide), y: cells.map(n => Math.floor(n / wide)) });
+      trace.box = n => [trace.x[n] - 0.5, trace.x[n] + 0.5];
     }
     if (trace.type === "bar") trace.box = n => [trace.base[n], trace.base[n] + trace.x[n]];
     return Object.assign(trace, { X: scaled(trace.x, x.type === "log"), Y: scaled(trace.y, y.type === "log") });
@@ -49,10 +53,11 @@ class Chart {
   }
 
   range(name) { // chosen, given, or what is shown in all panels with that axis
-    const letter = name[0], panels = this.panels.filter(({ names }) => names[letter] === name), axis = panels[0][letter];
+    const letter = name[0], panels = this.panels.filter(({ names }) => names[letter] === name);
+    const axis = panels[0][letter];
     if (this.view[name] ?? axis.range) return this.view[name] ?? axis.range;
     const shown = panels.flatMap(({ traces }) => traces).filter(({ legendgroup }) => !this.hidden.has(legendgroup));
-    const ends = shown.flatMap(({ X, top, low = [] }) => (letter === "x" ? extent(X) : [...extent(top), ...extent(low)]));
+    const ends = shown.flatMap(({ X, top, low = [] }) => (letter === "x" ? [X] : [top, low]).flatMap(extent));
     let [lo, hi] = extent([...ends.filter(Number.isFinite), ...(axis.rangemode === "tozero" ? [0] : [])]);
     if (!(lo <= hi)) [lo, hi] = [0, 1];
     if (lo === hi) [lo, hi] = [lo - (Math.abs(lo) || 1) / 10, hi + (Math.abs(hi) || 1) / 10];
@@ -72,6 +77,7 @@ class Chart {
 
   drawn([panel, width, column], ratio, library, place) {
     const { x, y, names, traces } = panel, { height, margin } = this.layout, marked = {};
+    const backwards = this.layout[`xaxis${names.x.slice(1)}`].autorange === "reversed";
     const axis = (scale, of, size, label, space, quiet) => ({
       scale, size, label, labelSize: 18, gap: 4, font: FONT, labelFont: FONT, space: 1, stroke: () => shade("--ink"),
       grid: { show: of.showgrid !== false, width: 1, stroke: () => shade("--line") }, ticks: { show: false },
@@ -83,11 +89,12 @@ class Chart {
       values: () => (quiet ? [] : marked[scale].map(([, text]) => text)),
     });
     const silent = y.showticklabels === false && !(column === 0 && y.matches), under = x.showticklabels !== false;
-    const texts = Math.max(TEXTS, ...(y.ticktext ?? []).map(text => measured(text) + 8));
+    const below = !under ? 12 : x.title ? 48 : 30, texts = Math.max(TEXTS, ...(y.ticktext ?? []).map(text => measured(text) + 8));
     const series = traces.map(trace => ({
       label: trace.name, show: !this.hidden.has(trace.legendgroup), alpha: trace.opacity ?? trace.marker.opacity ?? 1,
-      width: trace.line.width ?? 2, dash: (DASHES[trace.line.dash] ?? []).map(d => d * ratio), stroke: () => colour(trace),
-      fill: trace.low && (() => `${colour(trace)}66`), paths: u => this.path(u, trace, ratio),
+      width: trace.line.width ?? 2, dash: (DASHES[trace.line.dash] ?? []).map(d => d * ratio),
+      stroke: () => colour(trace), fill: trace.low && (() => `${colour(trace)}66`),
+      paths: u => this.path(u, trace, ratio),
       points: {
         show: trace.mode.includes("markers"), width: trace.marker.line?.width ?? 0, fill: () => colour(trace),
         paths: u => ({ ...symbols(trace, placing(u), ratio), flags: 3 }),
@@ -95,9 +102,9 @@ class Chart {
     }));
     return new library({
       mode: 2, width, padding: [8, 16, 0, 0], legend: { show: false, live: false }, series: [null, ...series],
-      height: Math.round((y.domain[1] - y.domain[0]) * (height - margin.t - margin.b)) + (under ? (x.title ? 48 : 30) : 12),
+      height: Math.round((y.domain[1] - y.domain[0]) * (height - margin.t - margin.b)) + below,
       scales: {
-        x: { auto: false, dir: x.autorange === "reversed" ? -1 : 1, range: () => this.range(names.x) },
+        x: { auto: false, dir: backwards ? -1 : 1, range: () => this.range(names.x) },
         y: { auto: false, range: () => this.range(names.y) },
       },
       axes: [
@@ -105,11 +112,11 @@ class Chart {
         axis("y", y, silent ? 6 : texts, y.title?.text ?? (column ? undefined : this.title), 32, silent),
       ],
       cursor: {
-        x: !this.linked, y: false, drag: { x: false, y: false }, points: { size: 7 },
+        x: !this.linked, y: false, points: { size: 7 }, bind: { dblclick: () => () => this.see({}) },
+        drag: { x: this.zooms, y: this.zooms, uni: WIDE, dist: 8, setScale: false },
         move: (u, ...at) => (panel.pointer = at), dataIdx: (u, k) => nearest(u, panel.pointer, traces[k - 1]),
-        bind: { mousedown: () => null, dblclick: () => null }, // the figure's own are for all its panels
       },
-      hooks: { draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)] },
+      hooks: { draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)], setSelect: [() => zoom(this, panel)] },
     }, this.data(panel), place);
   }
 
@@ -124,10 +131,10 @@ class Chart {
     ctx.clip();
     Object.assign(ctx, { font: FONT.replace("12", 11 * ratio), textAlign: "center", textBaseline: "middle" });
     trace.x.forEach((_, n) => {
-      const [from, to] = trace.box(n), [x0, y0] = place(from, trace.Y[n] + half), [x1, y1] = place(to, trace.Y[n] - half);
-      const ground = trace.meta?.[n] ?? colour(trace);
+      const [from, to] = trace.box(n), ground = trace.meta?.[n] ?? colour(trace), edge = trace.meta ? ratio : 0;
+      const [x0, y0] = place(from, trace.Y[n] + half), [x1, y1] = place(to, trace.Y[n] - half);
       ctx.fillStyle = ground;
-      if (ground) ctx.fillRect(x0, y0, x1 - x0 - ratio * !!trace.meta, y1 - y0 - ratio * !!trace.meta);
+      if (ground) ctx.fillRect(x0, y0, x1 - x0 - edge, y1 - y0 - edge);
       ctx.fillStyle = parseInt(ground.slice(3, 5), 16) > 120 ? "#000" : "#fff";
       if (trace.meta) ctx.fillText(trace.text[n], (x0 + x1) / 2, (y0 + y1) / 2);
     });
@@ -136,11 +143,14 @@ class Chart {
   }
 
   async build() { // aside: what is not yet in the page has no layout that a panel could ask for
-    const { place, layout } = this, host = element("div", { className: "panels" }), sized = [...this.columns((this.width = place.clientWidth))];
+    const { place } = this, host = element("div", { className: "panels" });
+    const sized = [...this.columns((this.width = place.clientWidth))];
     const group = (name, ...buttons) => element("span", { className: name, role: "group" }, ...buttons);
-    const tools = [legend(this), ...menus(this).map(menu => group("menu", ...menu)), group("bar", ...bar(this))];
+    const tools = [legend(this), group("menu", ...menu(this)), group("buttons", ...bar(this))];
     this.text = element("div", { className: "hover", hidden: true });
     host.style.gridTemplateColumns = `repeat(${Math.max(...sized.map(([, , column]) => column)) + 1}, max-content)`;
+    host.onpointerdown = () => (this.dragged = false);
+    host.onclick = () => this.near && !this.dragged && place.dispatchEvent(new CustomEvent("chosen", { detail: this.near }));
     for (const [panel, ...size] of sized) {
       if (host.children.length) await new Promise(done => setTimeout(done)); // each by itself
       const own = element("div", {}, ...(panel.note ? [element("h4", { textContent: panel.note.text })] : []));
@@ -148,11 +158,11 @@ class Chart {
       panel.u?.destroy();
       panel.u = this.drawn([panel, ...size], devicePixelRatio, uPlot(), own);
       panel.u.over.append(panel.line);
-      listen(this, panel);
     }
     await null; // by then they are drawn
-    place.replaceChildren(element("div", { className: "tools" }, ...tools), host, this.text,
-      ...this.notes.map(textContent => element("p", { className: "soft small", textContent })), ...place.querySelectorAll(".paper"));
+    const notes = this.notes.map(textContent => element("p", { className: "soft small", textContent }));
+    const kept = place.querySelectorAll(".paper");
+    place.replaceChildren(element("div", { className: "tools" }, ...tools), host, this.text, ...notes, ...kept);
     place.dispatchEvent(new Event("drawn"));
   }
 
@@ -220,22 +230,24 @@ class Chart {
   emphasise(name) {
     for (const { u, traces } of this.panels)
       traces.forEach((trace, k) => {
-        Object.assign(trace, { opacity: trace.name === name ? 1 : 0.45, line: { ...trace.line, width: trace.name === name ? 4 : 1.5 } });
+        [trace.opacity, trace.line.width] = trace.name === name ? [1, 4] : [0.45, 1.5];
         Object.assign(u.series[k + 1], { alpha: trace.opacity, width: trace.line.width });
       });
     this.refresh();
   }
 }
 
-// --- the figures of the page: unpacked when there is time, each drawn near the viewport, by itself; all for a print ---
+// --- the figures of the page: unpacked when there is time, each drawn near the viewport by itself, all for a print ---
 
 const places = [...document.querySelectorAll("[data-figure]")], once = make => {
   let made;
   return () => (made ??= make());
 };
 let library, packed, turn = Promise.resolve();
-const Intl = { NumberFormat: class { format = String; }, DateTimeFormat: class { resolvedOptions = Object; } }; // slow to start: texts are our own
-const compiled = (...ratio) => Function("Intl", ...ratio.map(() => "devicePixelRatio"), `${library}; return uPlot`)(Intl, ...ratio);
+// The browser's own takes longest to start, and the texts are ours.
+const Intl = { NumberFormat: class { format = String; }, DateTimeFormat: class { resolvedOptions = Object; } };
+const compiled = (ratio = devicePixelRatio) =>
+  Function("Intl", ratio === SHARP ? "devicePixelRatio" : "_", `${library}; return uPlot`)(Intl, ratio);
 const sharp = once(() => compiled(SHARP)), uPlot = once(() => compiled()), figures = once(() => JSON.parse(packed));
 const chart = place => (place.plot ??= new Chart(place, figures()[place.dataset.figure]));
 const inTurn = job => (turn = turn.then(() => new Promise(done => setTimeout(() => done(job())))));
@@ -262,7 +274,8 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   places.filter(place => place.plot?.width).forEach(place => draw(place));
 });
 addEventListener("beforeprint", () => packed && onPaper(() => Promise.all(places.map(async place => {
+  const drawn = await picture(chart(place), place.closest(".grid") ? 340 : 700, sharp()); // px of A4, as it is laid out
   place.querySelector(".paper")?.remove();
-  place.append(await picture(chart(place), place.closest(".grid") ? 340 : 700, sharp())); // px of A4, as it is laid out there
+  place.append(drawn);
 }))));
 addEventListener("afterprint", () => document.querySelectorAll("canvas.paper").forEach(canvas => canvas.remove()));

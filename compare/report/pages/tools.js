@@ -1,7 +1,7 @@
-// What a reader does with a figure: its legend, its buttons, what is read off at the pointer, zoom by dragging, a picture.
+// What a reader does with a figure: its legend and buttons, what is read off at the pointer, zoom by dragging, a picture.
 
 const ICON = 18, ROW = 22, SHARP = 3; // px: of a legend; dots a px of a picture
-const NEAR = 16, DRAGGED = 8, WIDE = 24, MOST = 8; // px: a point, a drag, one along both axes; values read out
+const NEAR = 16, MOST = 8; // px around a point; values read out
 const BUTTONS = { // each in a square of 16
   "Drag to zoom": "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4", "Zoom in": "M3 8h10M8 3v10", "Zoom out": "M3 8h10",
   "Reset axes": "M3 8a5 5 0 1 0 2-4M5 1v3h3", "Save as PNG": "M8 2v8M4.5 7 8 10.5 11.5 7M2 14h12",
@@ -13,63 +13,71 @@ const element = (tag, properties = {}, ...children) => {
 };
 
 const icon = (pen, trace, x, y) => {
-  const { line, marker, mode, low, box } = trace, middle = { X: [x + ICON / 2], top: [y] };
+  const { line, marker, mode, low, box } = trace, one = { ...marker, size: 8, symbol: [marker.symbol].flat()[0] };
   Object.assign(pen, { strokeStyle: colour(trace), fillStyle: colour(trace), lineWidth: Math.min(line.width ?? 2, 5) });
   if (low || box) return pen.fillRect(x, y - 5, ICON, 10);
   pen.setLineDash(DASHES[line.dash] ?? []);
   if (mode !== "markers") pen.stroke(new Path2D(`M${x} ${y}h${ICON}`));
   pen.setLineDash([]);
   if (!mode.includes("markers")) return;
-  const { stroke, fill } = symbols({ marker: { ...marker, size: 8, symbol: [marker.symbol].flat()[0] }, ...middle }, (a, b) => [a, b], 1);
-  if ((pen.lineWidth = marker.line?.width ?? 0.1)) pen.stroke(stroke);
+  const { stroke, fill } = symbols({ marker: one, X: [x + ICON / 2], top: [y] }, (...at) => at, 1);
+  pen.lineWidth = marker.line?.width ?? 1;
+  pen.stroke(stroke);
   pen.fill(fill);
 };
 
 const legend = chart => element("ul", { className: "key" }, ...chart.listed.map(trace => {
-  const drawn = element("canvas", { width: ICON * SHARP, height: 14 * SHARP }), pen = drawn.getContext("2d"), group = trace.legendgroup;
-  const button = element("button", { type: "button", ariaPressed: !chart.hidden.has(group) }, drawn, trace.name);
+  const drawn = element("canvas", { width: ICON * SHARP, height: 14 * SHARP }), pen = drawn.getContext("2d");
+  const group = trace.legendgroup, ariaPressed = !chart.hidden.has(group);
+  const button = element("button", { type: "button", ariaPressed }, drawn, trace.name);
   pen.scale(SHARP, SHARP);
   icon(pen, trace, 0, 7);
   button.onclick = () => {
     const show = chart.hidden.delete(group);
     if (!show) chart.hidden.add(group);
     button.ariaPressed = show;
-    for (const { u, traces } of chart.panels) traces.forEach((t, k) => t.legendgroup === group && u.setSeries(k + 1, { show }));
+    for (const { u, traces } of chart.panels)
+      traces.forEach(({ legendgroup }, k) => legendgroup === group && u.setSeries(k + 1, { show }));
     chart.refresh();
   };
   return element("li", {}, button);
 }));
 
 const bar = chart => {
-  const cut = part => () => chart.see(Object.fromEntries(chart.panels.flatMap(({ names }) => [names.x, names.y]).map(axis => {
+  const axes = chart.panels.flatMap(({ names }) => [names.x, names.y]);
+  const cut = part => () => chart.see(Object.fromEntries(axes.map(axis => {
     const [lo, hi] = chart.range(axis);
     return [axis, [lo + part * (hi - lo), hi - part * (hi - lo)]];
   })));
   const does = {
-    "Drag to zoom": ({ currentTarget }) => (currentTarget.ariaPressed = chart.zooms = !chart.zooms),
+    "Drag to zoom": ({ currentTarget }) => {
+      currentTarget.ariaPressed = chart.zooms = !chart.zooms;
+      for (const { u } of chart.panels) u.cursor.drag.x = u.cursor.drag.y = chart.zooms;
+    },
     "Zoom in": cut(0.25), "Zoom out": cut(-0.5), "Reset axes": () => chart.see({}), "Save as PNG": () => save(chart),
   };
   return Object.entries(BUTTONS).slice(chart.linked ? 0 : 1).map(([title, d]) => element("button", {
-    type: "button", title, ariaLabel: title, onclick: does[title], ariaPressed: title === "Drag to zoom" ? chart.zooms : null,
+    type: "button", title, ariaLabel: title, ariaPressed: title === "Drag to zoom" ? chart.zooms : null,
+    onclick: does[title],
     innerHTML: `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${d}"/></svg>`,
   }));
 };
 
-const menus = chart => (chart.layout.updatemenus ?? []).map(({ buttons }) => buttons.map(({ label, args: [numbers] }, k) => element("button", {
-  type: "button", textContent: label, ariaPressed: k === chart.chosen,
-  onclick: ({ currentTarget }) => { // its numbers into the traces
+const menu = chart => (chart.layout.updatemenus?.[0].buttons ?? []).map(({ label, args: [{ x, y }] }, k) => {
+  const onclick = ({ currentTarget }) => { // its numbers into the traces
     chart.chosen = k;
     for (const other of currentTarget.parentNode.children) other.ariaPressed = other === currentTarget;
-    chart.traces.forEach((trace, n) => chart.replace(trace, numbers.y[n], numbers.x[n]));
+    chart.traces.forEach((trace, n) => chart.replace(trace, y[n], x[n]));
     chart.refresh();
-  },
-})));
+  };
+  return element("button", { type: "button", textContent: label, ariaPressed: k === chart.chosen, onclick });
+});
 
 // --- what is read off at the pointer ---------------------------------------------------------------------------------
 
 const nearest = (u, [left, top], trace) => { // of a curve across, of points and cells in both directions
   const x = u.posToVal(left, "x"), y = u.posToVal(top, "y"), markers = trace.mode === "markers";
-  const wide = u.posToVal(left + 1, "x") - x, high = u.posToVal(top + 1, "y") - y;
+  const wide = u.posToVal(left + 1, "x") - x, high = u.posToVal(top + 1, "y") - y; // of a pixel
   let best = null, least = NEAR * (markers ? 1 : 1.5);
   if (left < 0 || trace.hoverinfo === "skip") return best;
   for (let n = 0; n < trace.X.length; n++) {
@@ -82,63 +90,44 @@ const nearest = (u, [left, top], trace) => { // of a curve across, of points and
 };
 
 const words = (trace, n) => {
-  const of = { x: trace.x[n], y: trace.y[n], text: trace.text?.[n], customdata: trace.customdata?.[n] };
-  const in_ = (name, digits, kind) => (!kind ? of[name] : kind === "e" ? of[name].toExponential(digits - 1) : tidy(of[name], +digits));
-  const filled = trace.hovertemplate?.replace("<extra></extra>", "").replace(/%\{(\w+)(?::\.(\d)(\w))?\}/g, (_, ...asked) => in_(...asked));
-  if (filled) return filled.split("<br>").map(textContent => element("span", { textContent }));
+  const { hovertemplate, name, type } = trace, number = type === "bar" ? trace.x[n] : trace.y[n];
   const swatch = element("i", { className: "swatch", style: `background: ${colour(trace)}` });
-  return [element("span", {}, swatch, `${trace.name}: ${short(trace.type === "bar" ? trace.x[n] : trace.y[n])}`)];
+  if (!hovertemplate) return [element("span", {}, swatch, `${name}: ${short(number)}`)];
+  const filled = hovertemplate.replace(/%\{(\w+)(?::\.(\d)(\w))?\}|<extra>.*/g, (_, of, digits, kind) => {
+    if (!of) return "";
+    const value = trace[of][n];
+    return !kind ? value : kind === "e" ? value.toExponential(digits - 1) : tidy(value, +digits);
+  });
+  return filled.split("<br>").map(textContent => element("span", { textContent }));
 };
 
 const readOut = (chart, u, { traces, x }) => {
   const { left, top, idxs } = u.cursor, { text, layout, place, hidden } = chart;
-  const found = traces.map((trace, k) => [trace, idxs[k + 1]]).filter(([trace, n]) => n != null && !hidden.has(trace.legendgroup));
+  const shown = ([{ legendgroup }, n]) => n !== null && !hidden.has(legendgroup);
+  const found = traces.map((trace, k) => [trace, idxs[k + 1]]).filter(shown);
   const off = ([trace, n]) => Math.abs(u.valToPos(trace.top[n], "y") - top);
   const [first, ...others] = found.sort((a, b) => off(a) - off(b));
   chart.near = left < 0 ? undefined : first?.[0].name;
   text.hidden = left < 0 || !first || layout.hovermode === false;
   if (text.hidden) return;
-  const [title, unit = ""] = (x.title?.text ?? chart.over ?? "").split(/ ?\[|\]/), [{ hovertemplate, x: across }, n] = first;
+  const [title, unit = ""] = (x.title?.text ?? chart.over ?? "").split(/ ?\[|\]/);
+  const [{ hovertemplate, x: across }, n] = first;
   const head = element("b", { textContent: `${title || "at"} ${short(across[n])} ${unit === "-" ? "" : unit}` });
-  text.replaceChildren(...(hovertemplate ? words(...first) : [head, ...[first, ...others].slice(0, MOST).flatMap(one => words(...one))]));
+  const listed = [first, ...others].slice(0, MOST).flatMap(one => words(...one));
+  text.replaceChildren(...(hovertemplate ? words(...first) : [head, ...listed]));
   const box = place.getBoundingClientRect(), over = u.over.getBoundingClientRect();
   Object.assign(text.style, { top: `${over.top - box.top + top}px`, left: `${over.left - box.left + left}px` });
   text.classList.toggle("left", left > over.width / 2);
 };
 
-// --- zoom by dragging ------------------------------------------------------------------------------------------------
-
-const listen = (chart, { u, names }) => {
-  const { over } = u;
-  let start = null;
-  const inside = ({ clientX, clientY }) => [clientX - over.getBoundingClientRect().left, clientY - over.getBoundingClientRect().top];
-  const box = event => { // along both axes, or over the whole of one of them
-    const [x0, y0] = start, [x1, y1] = inside(event), dx = Math.abs(x1 - x0), dy = Math.abs(y1 - y0);
-    const across = dx > DRAGGED && (dx > WIDE || dy <= WIDE), up = dy > DRAGGED && (dy > WIDE || dx <= DRAGGED);
-    const [left, width] = across ? [Math.min(x0, x1), dx] : [0, over.clientWidth], [top, height] = up ? [Math.min(y0, y1), dy] : [0, over.clientHeight];
-    return { left, width, top, height, across, up };
-  };
-  const none = { width: 0, height: 0 };
-  over.ondblclick = () => chart.see({});
-  over.onpointerdown = event => {
-    if (!chart.zooms || event.button) return;
-    over.setPointerCapture(event.pointerId);
-    start = inside(event);
-  };
-  over.onpointermove = event => {
-    if (!start) return;
-    const { across, up, ...drawn } = box(event);
-    u.setSelect(across || up ? drawn : none, false);
-  };
-  over.onpointerup = over.onpointercancel = event => {
-    if (!start) return;
-    const { left, width, top, height, across, up } = box(event), ends = (from, to, scale) => [u.posToVal(from, scale), u.posToVal(to, scale)].sort((a, b) => a - b);
-    start = null;
-    u.setSelect(none, false);
-    if (event.type === "pointercancel") return;
-    if (!across && !up) return chart.near && chart.place.dispatchEvent(new CustomEvent("chosen", { detail: chart.near }));
-    chart.see({ ...chart.view, ...(across && { [names.x]: ends(left, left + width, "x") }), ...(up && { [names.y]: ends(top, top + height, "y") }) });
-  };
+const zoom = (chart, { u, names }) => { // to what was dragged over, along one axis or both
+  const { left, top, width, height } = u.select, { clientWidth, clientHeight } = u.over, view = { ...chart.view };
+  const ends = (scale, ...places) => places.map(place => u.posToVal(place, scale)).sort((a, b) => a - b);
+  if (width < clientWidth) view[names.x] = ends("x", left, left + width);
+  if (height < clientHeight) view[names.y] = ends("y", top, top + height);
+  u.setSelect({ width: 0, height: 0 }, false);
+  chart.dragged = true;
+  chart.see(view);
 };
 
 // --- a picture, for paper or a file ----------------------------------------------------------------------------------
@@ -172,7 +161,7 @@ const picture = async (chart, width, library) => {
     write(trace.name, x + ICON + 4, y);
   }
   rows.forEach(([{ note }, wide, column], k) => {
-    const left = column ? rows[0][1] + GAP + (column - 1) * (wide + GAP) : 0, { ctx, width, height } = us[k];
+    const left = column && rows[0][1] + GAP + (column - 1) * (wide + GAP), { ctx, width, height } = us[k];
     if (note) write(note.text, left + wide / 2, heads[k] + ROW / 2, "center");
     pen.drawImage(ctx.canvas, left, heads[k] + ROW * !!note, width, height);
     us[k].destroy();

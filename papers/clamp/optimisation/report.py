@@ -106,10 +106,10 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> Figure
     figure.update_yaxes(title="M_P at α = 2.5° [-]", panel=1)
     figure.update_yaxes(title="L_sum [mm]", panel=2)
     figure.update_xaxes(title="R_S [-]", panel=2)
-    M_P, across = float(LARGEST_FORCE_RATIO), "x domain"
-    ends: dict[str, Any] = {"xref": across, "x0": 0, "x1": 1, "yref": "y", "y0": M_P, "y1": M_P}
-    figure.note("largest M_P in print", yref="y", xref=across, x=0.5, xanchor="center", y=M_P, yanchor="bottom")
-    return figure.update_layout(layout(760), margin={"t": 110}, shapes=[{"type": "line", "line": BOUND} | ends])
+    drawn = np.concatenate([np.asarray(trace["x"], float) for trace in figure.traces])
+    across = [drawn.min(), drawn.max()]
+    draw(figure, "largest M_P in print", across, [float(LARGEST_FORCE_RATIO)] * 2, 1, line=BOUND)
+    return figure.update_layout(layout(760))
 
 
 def _draw(figure: Figure, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:

@@ -149,7 +149,7 @@ def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
     figure = offline(drawn)
     assert "sweeps" in title
     cells, theory = figure.data
-    seen = {True: [], False: []}
+    seen: dict[bool, list[tuple[float, str]]] = {True: [], False: []}
     for cell in sweeps.to_dict("records"):
         place = [72, 216].index(cell["steps"]), ["8", "64", "256"].index(cell["label"])
         fine = cell["status"] == "ok"

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 import pytest
 from plotly.subplots import make_subplots
 
-from compare.report.figures.figure import Figure, draw, grid, side_by_side, stacked
+from compare.report.figures.figure import Figure, draw, grid, side_by_side, stacked, thinned
 from compare.report.figures.offline import offline
 from compare.report.figures.style import layout
 from compare.report.pages.report import described
@@ -69,3 +69,14 @@ def test_a_figure_in_words_has_its_extremes_with_their_places_and_curves() -> No
     assert described("P5", figure.update_layout(layout(400))) == (
         "P5, over crank angle [deg]. speed [mm/s]: from −2 (a) at 20 to 5 (b) at 10. error [-]: no values."
     )
+
+
+def test_curves_of_a_stack_have_the_same_places() -> None:
+    """Each with its own extremes in them, though each is drawn with fewer points."""
+    x, figure = np.linspace(0, 1, 30_000), stacked()
+    for row in (123, 20_001):
+        draw(figure, str(row), x, np.where(np.arange(30_000) == row, 5.0, 1.0), stackgroup="losses")
+    one, other = thinned(figure.traces)
+    assert np.array_equal(one["x"], other["x"])
+    assert len(one["x"]) <= 2000
+    assert max(one["y"]) == max(other["y"]) == 5.0

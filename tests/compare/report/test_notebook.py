@@ -1,5 +1,6 @@
 """What `compare.check` and `compare.vary` return: plots by channel, and what a notebook shows."""
 
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -96,3 +97,10 @@ def test_a_family_in_a_notebook(family: Varied) -> None:
 def test_bad_arguments_of_a_family(name: str, variations: list[str], options: Mapping[str, object], line: str) -> None:
     with pytest.raises(InputError, match=line.replace("?", r"\?")):
         compare.vary(name, *variations, **options)  # type: ignore[arg-type]
+
+
+def test_what_plots_need_is_named(result: CheckResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
+    monkeypatch.delitem(sys.modules, "compare.report.figures.offline", raising=False)
+    with pytest.raises(InputError, match=r"^plot: plotly is not installed: pip install 'linkage-crosscheck\[plots\]'$"):
+        result.plot("T.ay")
