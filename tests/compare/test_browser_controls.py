@@ -114,7 +114,7 @@ def plots(page: "Page") -> "Iterator[Locator]":
 
 def press(plot: "Locator", button: str) -> None:
     """By the keyboard, which every button takes."""
-    plot.locator(f".bar [aria-label='{button}']").press("Enter", timeout=5000)
+    plot.locator(f".buttons [aria-label='{button}']").press("Enter", timeout=5000)
 
 
 def drag(plot: "Locator", start: tuple[float, float], end: tuple[float, float]) -> None:
@@ -150,7 +150,7 @@ def ranges(plot: "Locator") -> "Iterator[Callable[[], tuple[float, ...]]]":
 def test_every_button_does_what_its_name_is(opened: "Page") -> None:
     for plot in plots(opened):
         linked = plot.evaluate("plot => plot.plot.linked")
-        named = [button.get_attribute("title") for button in plot.locator(".bar button").all()]
+        named = [button.get_attribute("title") for button in plot.locator(".buttons button").all()]
         assert named == [*[ZOOM] * linked, *BUTTONS]
         with ranges(plot) as now:
             press(plot, "Zoom in")

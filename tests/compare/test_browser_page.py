@@ -109,7 +109,7 @@ def test_every_figure_is_in_words(report: "Page") -> None:
     labels = report.evaluate(
         "[...document.querySelectorAll('.plot, svg.linkage')].map(e => [e.getAttribute('role'), e.ariaLabel])"
     )
-    assert len(labels) == 15
+    assert len(labels) == 16
     assert all(role in ("img", "figure") and label for role, label in labels)
     (pin,) = [label for _, label in labels if label.startswith("Pin P1:")]
     assert re.search(r"force \[kN\]: from −[\d.]+ \([xy]\) at [\d.]+ to 382 \(magnitude\) at 20\d", pin)
