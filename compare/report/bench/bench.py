@@ -87,9 +87,9 @@ class Bench:
         return packed(json.dumps(plain(data), separators=(",", ":")).encode())
 
     def _peak(self, channel: str) -> float:
-        """What the page's difference of a channel is a part of: its peak, where it is more than round-off."""
-        scale = self.study.reference.scale.get(channel, 1.0)
-        return max(float(np.abs(self.study.motion[channel]).max()), ROUNDING * scale)
+        """What the page's difference of a channel is a part of: its peak, or its scale where it is nothing but round-off."""
+        scale, peak = self.study.reference.scale.get(channel, 1.0), float(np.abs(self.study.motion[channel]).max())
+        return peak if peak > ROUNDING * scale else scale
 
     def _moves(self, point: str) -> Iterator[Mapping[str, Any]]:
         """Yield by body what of it changes when a point is dragged: lengths by their other ends, coordinates, a guide.

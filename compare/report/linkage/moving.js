@@ -104,7 +104,8 @@ const pull = (n, engine) => {
   const px = Number(svg.style.getPropertyValue("--px")), others = taken(n, px);
   for (const arrow of arrows) {
     const [fx, fy] = vector(arrow, n, +engine), size = Math.hypot(fx, fy);
-    const length = size * head.perNewton * head.perMetre, shown = engine !== "" && length > 2 * px;
+    const length = size * head.perNewton * head.perMetre, known = !(isEdited && arrow.load); // loads are those of the run
+    const shown = engine !== "" && known && length > 2 * px;
     arrow.group.style.display = shown ? "" : "none";
     arrow.text.style.display = shown ? "" : "none";
     if (!shown) continue;
