@@ -14,8 +14,10 @@ import pytest
 
 import analytic
 from analytic import page_program
+from compare.measure.many.machines import draws
 from compare.report.output import files
 from compare.report.plain import plain
+from compare.study import Study
 from scenes import Sampling, Scene, Status, load, shipped
 from scenes.drive import Samples
 from tests.comparisons import studied
@@ -260,3 +262,53 @@ def test_a_linkage_with_a_larger_group_is_shown_and_not_edited(browser: "Browser
         page.wait_for_selector("#linkage .player:not([hidden])")
         assert "take iterations" in page.locator("#self-check").inner_text()
         assert not page.locator("#bench").count()
+
+
+def test_an_edit_takes_less_than_a_frame(bench: "Page") -> None:
+    """The best of some, since others use the machine too: 360 positions, and all that follows a typed number."""
+    solved, edited = bench.evaluate(
+        """async () => {
+          const packed = Uint8Array.from(atob(document.getElementById("design").textContent), c => c.charCodeAt(0));
+          const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+          const data = JSON.parse(await new Response(unpacked).text()), line = Function(`return ${data.line}`)();
+          const rows = [...data.channels, ""].map(() => new Float64Array(360));
+          const given = Object.values(data.given).map(() => Float64Array.from({ length: 360 }, (_, n) => n / 57));
+          const numbers = data.numbers.map(({ value }) => value), box = document.querySelector("#bench [type=number]");
+          const best = (run, times) => Math.min(...Array.from({ length: 20 }, () => {
+            const start = performance.now();
+            for (let n = 0; n < times; n++) run();
+            return (performance.now() - start) / times;
+          }));
+          const solve = () => line(numbers, given, rows, 360);
+          const edit = () => {
+            box.value = +box.value + 0.01;
+            box.dispatchEvent(new Event("input", { bubbles: true }));
+          };
+          return [best(solve, 100), best(edit, 1)];
+        }"""
+    )
+    bench.locator(".undo").click()
+    assert solved < 0.3  # ms
+    assert edited < 16
+
+
+def test_the_machines_are_those_of_the_command_line(undone: "Page", press_study: Study) -> None:
+    """The range of a peak of 500 machines is that of the machines that `--monte-carlo 500` draws."""
+    undone.locator("#bench [name=machines]").check()
+    undone.wait_for_function("document.querySelector('#bench .machines').textContent")
+    low, _, high, _ = now(undone, "Pin P1")[4].split()
+    scene = press_study.scene
+    core = analytic.solve_many(scene, draws(scene, 0, 0, 500), np.linspace(0, 2 * np.pi, 361))
+    peaks = np.sort(np.hypot(core["P1.fx"], core["P1.fy"]).max(axis=1)) / 1e3
+    assert abs(float(low) - peaks[5]) <= 0.1  # kN: the digits shown, and samples of 5 degrees
+    assert abs(float(high) - peaks[494]) <= 0.1
+    undone.locator("#bench [name=machines]").uncheck()
+
+
+def test_without_a_script_the_picture_stands(browser: "Browser", press_report: Path) -> None:
+    page = browser.new_page(java_script_enabled=False)
+    page.goto((press_report / "report.html").as_uri())
+    assert page.locator("#linkage svg.linkage .pin").count() == 6
+    assert page.get_by_text("For this the page needs a script.").is_visible()
+    assert not page.get_by_role("button", name="Play").is_visible()
+    page.close()

@@ -230,3 +230,61 @@ def test_the_picture_is_saved(report: "Page", tmp_path: Path, button: str, begin
     download.value.save_as(file)
     assert file.read_bytes().startswith(begins)
     assert file.stat().st_size > 5000
+
+
+def test_every_arrow_has_its_value_and_no_value_lies_on_another(report: "Page") -> None:
+    """Nor on the name of a point, at any sample."""
+    wrong = report.evaluate(
+        """() => {
+          const slider = document.querySelector("#linkage [type=range]"), wrong = [];
+          const shown = kind => [...document.querySelectorAll(`#linkage svg:not(.polar) ${kind}`)].filter(e => !e.style.display);
+          for (let n = 0; n <= +slider.max; n++) {
+            slider.value = n;
+            slider.dispatchEvent(new Event("input"));
+            const values = shown(".value").map(e => e.getBoundingClientRect());
+            const names = shown(".name").map(e => e.getBoundingClientRect());
+            const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 2 && b.top < a.bottom - 2;
+            if (values.some((a, k) => [...values.slice(k + 1), ...names].some(b => meet(a, b)))) wrong.push(["overlap", n]);
+            if (values.length !== shown(".force:has(.head)").length) wrong.push(["without a value", n]);
+          }
+          return wrong;
+        }"""
+    )
+    assert wrong == []
+
+
+def test_picture_and_plot_are_in_view_together(report: "Page") -> None:
+    """At a desk's width, whichever plot the reader looks at; and a value read off a plot moves the linkage."""
+    for plot in report.locator(".plot:has(.cursor)").all()[::4]:
+        plot.scroll_into_view_if_needed()
+        for box in (report.locator("#linkage svg.linkage").first.bounding_box(), plot.bounding_box()):
+            assert box is not None
+            assert box["y"] > -box["height"] / 2
+            assert box["y"] + box["height"] / 2 < 900
+
+
+def test_the_page_opens_at_rest_where_the_largest_joint_force_is(browser: "Browser", press_report: Path) -> None:
+    with silent(browser, press_report / "report.html", viewport={"width": 1400, "height": 900}) as page:
+        page.wait_for_selector("#linkage .player:not([hidden])")
+        assert page.locator("#linkage output").inner_text() == "205.0°"
+        assert "Largest joint force: 382 kN, P1: ground on crank" in page.locator("#linkage .now").inner_text()
+        page.wait_for_timeout(200)
+        assert page.locator("#linkage [type=range]").input_value() == str(ROW)
+
+
+def test_a_pin_that_is_clicked_has_its_force_as_a_polar_diagram(report: "Page", press_study: Study) -> None:
+    """In the frame of the rod, along which it acts but for the rod's own mass."""
+    report.locator("#linkage [data-point=P4] > .pin").click()
+    diagram = report.locator("#polar")
+    assert diagram.locator("[name=vector] option:checked").inner_text() == "force at pin P4"
+    diagram.locator("[name=frame]").select_option("rod")
+    assert (
+        diagram.locator(".caption")
+        .inner_text()
+        .startswith("Force of toggle on rod. The outer circle is its peak, 194.2 kN")
+    )
+    tips = diagram.locator(".curve").first.get_attribute("d") or ""
+    x, y = np.array([[float(part) for part in tip.split()] for tip in tips[1:].split("L")]).T
+    motion = press_study.motion
+    force = (motion["P4.fx"] + 1j * motion["P4.fy"]) * np.exp(-1j * motion["rod.angle"])
+    assert np.abs((x - 1j * y) / 140 - force / np.abs(force).max()).max() < 1e-3

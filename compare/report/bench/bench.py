@@ -87,7 +87,7 @@ class Bench:
         return packed(json.dumps(plain(data), separators=(",", ":")).encode())
 
     def _peak(self, channel: str) -> float:
-        """What the page's difference of a channel is a part of: its peak, or its scale where it is nothing but round-off."""
+        """What the page's difference of a channel is a part of: its peak, or where that is round-off its scale."""
         scale, peak = self.study.reference.scale.get(channel, 1.0), float(np.abs(self.study.motion[channel]).max())
         return peak if peak > ROUNDING * scale else scale
 
