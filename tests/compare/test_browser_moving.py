@@ -237,14 +237,16 @@ def test_every_arrow_has_its_value_and_no_value_lies_on_another(report: "Page") 
     wrong = report.evaluate(
         """() => {
           const slider = document.querySelector("#linkage [type=range]"), wrong = [];
-          const shown = kind => [...document.querySelectorAll(`#linkage svg:not(.polar) ${kind}`)].filter(e => !e.style.display);
+          const every = kind => [...document.querySelectorAll(`#linkage svg ${kind}`)];
+          const shown = kind => every(kind).filter(e => !e.style.display);
           for (let n = 0; n <= +slider.max; n++) {
             slider.value = n;
             slider.dispatchEvent(new Event("input"));
             const values = shown(".value").map(e => e.getBoundingClientRect());
             const names = shown(".name").map(e => e.getBoundingClientRect());
-            const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 2 && b.top < a.bottom - 2;
-            if (values.some((a, k) => [...values.slice(k + 1), ...names].some(b => meet(a, b)))) wrong.push(["overlap", n]);
+            const across = (a, b) => a.left < b.right - 1 && b.left < a.right - 1;
+            const meet = a => b => across(a, b) && a.top < b.bottom - 2 && b.top < a.bottom - 2;
+            if (values.some((a, k) => [...values.slice(k + 1), ...names].some(meet(a)))) wrong.push(["overlap", n]);
             if (values.length !== shown(".force:has(.head)").length) wrong.push(["without a value", n]);
           }
           return wrong;
