@@ -86,7 +86,7 @@ def test_a_row_or_a_line_chooses_its_member(opened: "Page", folder: Path) -> Non
     shows(opened, folder, 290)
     opened.locator("#rows tr:has(th:text-is('250'))").click()  # which cannot run
     shows(opened, folder, 290)
-    opened.locator(".plot").scroll_into_view_if_needed()
+    opened.locator("#curves .plot").scroll_into_view_if_needed()
     x, y = opened.evaluate(
         """() => { const line = document.querySelectorAll('.plot .js-line')[0], box = line.getScreenCTM();
           const { x, y } = line.getPointAtLength(line.getTotalLength() / 2).matrixTransform(box); return [x, y]; }"""
