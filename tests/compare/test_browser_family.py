@@ -84,14 +84,14 @@ def test_a_row_or_a_line_chooses_its_member(opened: "Page", folder: Path) -> Non
     shows(opened, folder, 290)
     opened.locator("#rows tr:has(th:text-is('250'))").click()  # which cannot run
     shows(opened, folder, 290)
-    opened.evaluate("document.querySelector('.u-over').scrollIntoView({ block: 'center' })")
+    opened.evaluate("document.querySelector('#curves .u-over').scrollIntoView({ block: 'center' })")
     x, y = opened.evaluate(
-        """() => { const { u, traces: [{ X, Y }] } = document.querySelector('.plot').plot.panels[0], n = X.length >> 1;
+        """() => { const { u, traces: [{ X, Y }] } = document.querySelector('#curves .plot').plot.panels[0], n = X.length >> 1;
           const box = u.over.getBoundingClientRect();
           return [box.left + u.valToPos(X[n], 'x'), box.top + u.valToPos(Y[n], 'y')]; }"""
     )
     opened.mouse.move(x, y)
-    assert "O-P3 = 270: " in opened.locator(".hover").inner_text()
+    assert "O-P3 = 270: " in opened.locator("#curves .hover").first.inner_text()
     opened.mouse.click(x, y)
     shows(opened, folder, 270)
 

@@ -57,11 +57,6 @@ class _Choice(BaseModel):
     ratio: FiniteFloat | None = None  # of its time to that of the fastest engine of the same run
 
 
-class _Verdict(BaseModel):
-    word: OneLine
-    sentence: OneLine
-
-
 class _Change(BaseModel):
     text: OneLine
     worse: bool
@@ -77,7 +72,7 @@ class Summary(BaseModel):
     errors: list[SummaryError]
     peaks: list[SummaryPeak]
     cheapest: list[_Choice]
-    verdict: _Verdict
+    verdict: dict[str, OneLine]
     picture: str = ""
     complete: bool = True
     since_baseline: list[_Change] | None = None

@@ -29,13 +29,12 @@ def index_page(folder: Path) -> str:
 
 
 def _row(folder: Path, known: Summary) -> dict[str, Any]:
-    word = Word[known.verdict.word]
     return {
         "title": one_line(str(known.scene["title"])),
         "folder": folder.name,
         "link": quote(f"{folder.name}/report.html") if (folder / "report.html").is_file() else "",
         "stopped": not known.complete,
-        "agreement": Agreement(word, known.verdict.sentence),
+        "agreement": Agreement(Word[known.verdict["word"]], known.verdict["sentence"]),
         "picture": b64encode(known.picture.encode()).decode(),  # as an image: no script of it can run
         "peaks": [(capital(peak.name), written(peak.value, peak.unit, ALONE)) for peak in parted(known.peaks)[0]],
         "since": "the baseline" if known.since_baseline is not None else "the last run",

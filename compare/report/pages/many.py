@@ -10,6 +10,7 @@ from ...measure.many.family import Family
 from ...measure.many.study import MonteCarlo
 from ...mechanics.axis import axis
 from ..figures.many import MOST_LINES, curves, drawn, histograms, variance_shares
+from ..figures.over_number import over_number
 from ..linkage.drawing import Drawing
 from ..linkage.svg import by_itself
 from ..numbers import units
@@ -35,6 +36,7 @@ def family_page(family: Family) -> str:
         slides=any("displacement" in cycle.curves for cycle in able),
         most_lines=MOST_LINES,
         curves=curves(family) if able else None,
+        over_number=over_number(family) if able else None,
     )
 
 

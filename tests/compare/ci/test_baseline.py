@@ -160,6 +160,15 @@ def test_a_moment_that_is_zero_but_for_rounding(value: float, named: bool, befor
     assert bool(since(old, new=new)) is named
 
 
+def test_of_a_scene_that_could_not_run_only_that_and_what_was_asked_for(before: Json) -> None:
+    """Nothing ran, so that no engine is missing and no peak is gone."""
+    nothing: Json = {"engines": {}, "errors": [], "peaks": [], "cheapest": []}
+    assert since(before, new=before | nothing) == [Change("it does not run", worse=True)]
+    became, given = since(before | nothing, put("samples", 48, "sampling"), new=before)
+    assert (became, given.text) == (Change("it runs"), "sampling.samples 48, was 24")
+    assert since(before | nothing, new=before | nothing) == []
+
+
 def test_units_are_those_of_the_file() -> None:
     units = {"length": ["mm", 1e-3], "mass": ["t", 1e3], "force": ["kN", 1e3], "angle": ["deg", math.pi / 180]}
     scene = {"units": units, "drive": {"body": "ram"}, "bodies": {"ram": {"slide": {}}}}

@@ -8,12 +8,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import scenes
 from compare.measure.many import family
+from compare.measure.many.grid import variation
+from compare.report.figures.over_number import over_number
 from compare.run import main
 from tests import scene_files
 from tests.pages import unpacked, without_scripts
 
-from .runs import CRANK_SLIDER
+from .runs import CRANK_SLIDER, run
 
 
 def test_the_files_of_a_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,3 +109,22 @@ def test_many_members_are_drawn_in_part(tmp_path: Path, monkeypatch: pytest.Monk
     assert len(drawn) == 5
     assert {10, 17} <= drawn
     assert all(b - a <= 2 for a, b in pairwise(sorted(drawn)))
+
+
+def test_numbers_over_what_varies() -> None:
+    """A line for each value of what else varies, of the file's numbers; a gap where a member does not run."""
+    varied = [variation("bodies.rocker.lengths.O-P3=250:310:4"), variation("drive.speed=30:60:2")]
+    press = scenes.load("toggle_press")
+    of = family.Family(press, varied, ["analytic"])
+    of.members.extend(run(press.file, [f"{v.path}={v.values[0]:g}:{v.values[-1]:g}:{len(v.values)}" for v in varied]))
+    traces = over_number(of).traces
+    assert [trace["name"] for trace in traces] == 4 * ["drive.speed = 30", "drive.speed = 60"]
+    stroke, *_ = traces
+    assert list(stroke["x"]) == [250, 270, 290, 310]
+    assert np.isnan(stroke["y"]).tolist() == [True, False, False, False]
+    for trace, kind in zip(
+        traces[::2], ("stroke", "largest force", "peak driving torque", "peak braking torque"), strict=True
+    ):
+        values = [m.cycle.numbers[kind].value for m in of.members if m.cycle and m.changes["drive.speed"] == 30]
+        assert trace["y"][1:] / trace["y"][1] == pytest.approx(np.array(values) / values[0])
+    assert stroke["y"][-1] == pytest.approx(163.6, abs=0.5), "mm"
