@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import partial, reduce
+from itertools import zip_longest
 from math import inf
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from ..core.decomposition import decompose
 from ..core.groups.group_equations import Group
 from ..recorded.arithmetics.box_equations import picked, stacked
 from ..recorded.arithmetics.box_line import BoxLine
-from ..recorded.arithmetics.taylor_models import TaylorModel, cos, parabola_most, point, sin
+from ..recorded.arithmetics.taylor_models import TaylorModel, parabola_most, point
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
 from ..solve import prepared
@@ -185,7 +186,7 @@ class Boxes:
             given = {"position": way, "time": turned / self.numbers["drive.speed"]}
             at = Driven(middle, np.ones(()), np.zeros(()))
         else:
-            given = {**dict(zip(Driven._fields, driven(drive.pieces, way, middle), strict=True)), "time": way}
+            given = {**driven(drive.pieces, way, middle)._asdict(), "time": way}
             at = drive.at(middle)
         given |= self._guesses(at, low, high)
         for name, winding in self.core.windings.items():
@@ -234,30 +235,16 @@ def conditions(reach: Expression) -> list[Expression]:
     return [] if reach.of == (inf,) else [reach]  # a crank alone always reaches
 
 
-def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> list[TaylorModel]:
+def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> Any:
     """The position, rate and acceleration that a law asks for over boxes of instants, each within one of its pieces."""
     own = np.searchsorted([piece.begin for piece in pieces], middle, side="right") - 1
-    like = len(way.c)
 
-    def each(values: Sequence[float]) -> TaylorModel:
-        return point(np.array(values)[own], like)
+    def each(values: Sequence[float], off: float = LAW) -> Any:
+        known = np.array(values)[own]
+        return point(known, len(way.c), off * np.abs(known))
 
-    begin = each([piece.begin for piece in pieces])
-    begin.rest = len(pieces) * LAST_PLACE * begin.most  # a sum of as many durations at most
-    t = way - begin - each([piece.lag for piece in pieces])
-    position = rate = acceleration = point(np.zeros(len(middle)), like)
-    terms = np.zeros((3, len(middle)))  # the sums of their sizes, of which the law's own numbers are off by a share
-    for k in reversed(range(max(len(piece.polynomial) for piece in pieces))):
-        c = each([piece.polynomial[k] if k < len(piece.polynomial) else 0.0 for piece in pieces])
-        position, rate, acceleration = position * t + c, rate * t + position, acceleration * t + rate + rate
-        terms = terms * t.most + np.stack([c.most, terms[0], 2 * terms[1]])
-    for k in range(max(len(piece.sines) for piece in pieces)):
-        sines = [piece.sines[k] if k < len(piece.sines) else (0.0, 0.0, 0.0) for piece in pieces]
-        size, omega, phase = (each(values) for values in zip(*sines, strict=True))
-        y, dy = size * sin(omega * t + phase), size * omega * cos(omega * t + phase)
-        position, rate, acceleration = position + y, rate + dy, acceleration - omega * omega * y
-        terms += size.most * omega.most ** np.arange(3)[:, np.newaxis] * (1 + omega.most * t.most)
-    return [
-        one + point(np.zeros(len(middle)), like, LAW * off)
-        for one, off in zip((position, rate, acceleration), terms, strict=True)
-    ]
+    begin = each([piece.begin for piece in pieces], len(pieces) * LAST_PLACE)  # a sum of as many durations at most
+    polynomial = [each(terms) for terms in zip_longest(*(piece.polynomial for piece in pieces), fillvalue=0.0)]
+    several: Any = zip_longest(*(piece.sines for piece in pieces), fillvalue=(0.0, 0.0, 0.0))
+    sines = [tuple(each(values) for values in zip(*each_one, strict=True)) for each_one in several]
+    return Piece(begin, polynomial, sines, each([piece.lag for piece in pieces], 0.0)).at(way)  # type: ignore[arg-type]

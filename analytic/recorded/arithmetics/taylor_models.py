@@ -81,8 +81,21 @@ class TaylorModel:
         rest = dropped + self.most * (other.rest + ROUNDED * other.most) + self.rest * (other.most + other.rest)
         return TaylorModel(c, rest * UP + TINY)
 
+    def __rmul__(self, factor: float) -> "TaylorModel":
+        return point(factor, len(self.c)) * self
+
     def __truediv__(self, other: "TaylorModel") -> "TaylorModel":
         return self * _reciprocal(other)
+
+    def sin(self) -> "TaylorModel":
+        """The sine of an angle, rad, as NumPy's function calls it."""
+        s, c = np.sin(self.c[0]), np.cos(self.c[0])
+        return _composed(self, (s, c, -s / 2), np.array(1 / 6))
+
+    def cos(self) -> "TaylorModel":
+        """The cosine of an angle, rad, as NumPy's function calls it."""
+        s, c = np.sin(self.c[0]), np.cos(self.c[0])
+        return _composed(self, (c, -s, -c / 2), np.array(1 / 6))
 
 
 def _rounded(c: Samples, rest: Samples) -> TaylorModel:
@@ -153,18 +166,6 @@ def _sqrt(x: TaylorModel) -> TaylorModel:
         return root
     rough = hull(np.sqrt(np.maximum(low, 0)), np.sqrt(high) * UP, len(x.c))
     return _either(smooth & (root.rest < rough.rest), root, rough)
-
-
-def sin(x: TaylorModel) -> TaylorModel:
-    """The sine of an angle, rad."""
-    s, c = np.sin(x.c[0]), np.cos(x.c[0])
-    return _composed(x, (s, c, -s / 2), np.array(1 / 6))
-
-
-def cos(x: TaylorModel) -> TaylorModel:
-    """The cosine of an angle, rad."""
-    s, c = np.sin(x.c[0]), np.cos(x.c[0])
-    return _composed(x, (c, -s, -c / 2), np.array(1 / 6))
 
 
 def _tanh(x: TaylorModel) -> TaylorModel:
@@ -243,8 +244,8 @@ RULES: Mapping[str, Callable[..., TaylorModel]] = {
     "negative": TaylorModel.__neg__,
     "absolute": _absolute,
     "sqrt": _sqrt,
-    "sin": sin,
-    "cos": cos,
+    "sin": TaylorModel.sin,
+    "cos": TaylorModel.cos,
     "tanh": _tanh,
     "floor": _floor,
     "arctan2": _arctan2,
