@@ -32,7 +32,6 @@ from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
 from ..solve import prepared
 from .branches import ROOM, Branches, branches
-from .extremes import LEAST
 
 FIRST = 64  # boxes of a range, before any is divided
 LAST_PLACE = 2.0**-52  # of a number of the file, which was rounded when it was read and when it became SI
@@ -112,9 +111,8 @@ class Boxes:
         self.poses = [make.component(one, i) for one in groups for i in range(len(one.of[0].coordinates))]
         self.branches: Branches | None = None
         if self.poses:
-            line, least = BoxLine(self.poses, self.like, self.numbers, room=ROOM), LEAST * np.ptp(self.ways.edges)
-            over, periodic = partial(self._over, line), scene.drive.periodic
-            self.branches = branches(over, self.ways.divided(FIRST), least, self.most, periodic=periodic)
+            over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
+            self.branches = branches(over, self.ways.divided(FIRST), self.most, periodic=scene.drive.periodic)
         for place, load in scene.elements:
             if isinstance(load, PressForce) and place in self.program.strokes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)

@@ -16,6 +16,7 @@ from scenes.model.motion import Samples
 from ..recorded.arithmetics.box_equations import alone
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel
 
+LEAST = 2.0**-44  # of the whole way: no box is divided further
 ROOM = 4.0  # times a pose's ball, in that of which two boxes are to have no other: one lies in it beside another
 
 
@@ -46,7 +47,6 @@ class Branches:
 def branches(
     poses: Callable[[Samples, Samples], TaylorModel],
     boxes: tuple[Samples, Samples],
-    least: float,
     most: int,
     *,
     periodic: bool,
@@ -56,7 +56,6 @@ def branches(
     Args:
         poses: over boxes by their ends, shape (n,), alone in ROOM times their balls; infinitely far off where none are.
         boxes: the ends of boxes with all the way, in its order, shape (n,) each.
-        least: no box that is narrower is divided.
         most: boxes at a time; where more are left, their poses are not known.
         periodic: whether the last box meets the first one.
     """
@@ -67,7 +66,7 @@ def branches(
         meets[-1] |= not periodic
         closed, none = np.isfinite(found.rest).all(axis=0), np.isinf(found.rest).any(axis=0)
         unknown = ~none & ~(closed & meets & np.roll(meets, 1))
-        divided = unknown & (high - low > least)
+        divided = unknown & (high - low > LEAST * (high[-1] - low[0]))
         if not divided.any() or 2 * divided.sum() > most:
             return Branches(low, high, TaylorModel(found.c, np.where(unknown | none, np.nan, found.rest)), periodic)
         middle = (low[divided] + high[divided]) / 2
