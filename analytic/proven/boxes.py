@@ -6,7 +6,6 @@ rate or an acceleration leaps over where two pieces meet lies on the edge of a b
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from functools import partial, reduce
 from itertools import zip_longest
 from math import inf
@@ -43,27 +42,6 @@ WAYS = 27  # in which three joints may move or rest; more are too many
 Numbers: TypeAlias = NDArray[np.intp]
 
 
-@dataclass(frozen=True)
-class Ways:
-    """The edges between which boxes lie: positions of the drive, rad or m, or instants, s, under a motion law."""
-
-    scene: Scene
-    edges: Samples  # of pieces, within which all is smooth but for what depends on the bodies
-
-    @classmethod
-    def of(cls, scene: Scene) -> "Ways":
-        """Those of a cycle."""
-        if isinstance(scene.drive, ConstantSpeed):
-            return cls(scene, np.array(scene.drive.extent))
-        return cls(scene, np.array([*(piece.begin for piece in scene.drive.pieces), scene.drive.cycle]))
-
-    def divided(self, count: int) -> tuple[Samples, Samples]:
-        """At least so many boxes, none over two pieces: their ends, shape (n,)."""
-        parts = np.ceil(count * np.diff(self.edges) / np.ptp(self.edges)).astype(int)
-        ends = [np.linspace(a, b, n + 1) for a, b, n in zip(self.edges[:-1], self.edges[1:], parts, strict=True)]
-        return np.concatenate([own[:-1] for own in ends]), np.concatenate([own[1:] for own in ends])
-
-
 class Boxes:
     """The channels and magnitudes of a scene over boxes, and the conditions under which they are so, for many calls."""
 
@@ -75,7 +53,10 @@ class Boxes:
             names: which channels and magnitudes; None for all.
             off: by how much numbers of the scene may be off, SI, by path in the file.
         """
-        self.scene, self.ways, self.like = scene, Ways.of(scene), 3 + len(off)
+        self.scene, self.like, drive = scene, 3 + len(off), scene.drive
+        # Positions of the drive, rad or m, or instants, s, between which all is smooth but for what depends on bodies.
+        pieces = [] if isinstance(drive, ConstantSpeed) else [*(piece.begin for piece in drive.pieces), drive.cycle]
+        self.edges = np.array(pieces or drive.extent)
         whole = decompose(scene)
         angles = [f"{group.P}.{TRANSMISSION}" for group in whole.groups if not isinstance(group, Group)]
         lengths, channels = magnitudes(scene), None
@@ -112,7 +93,7 @@ class Boxes:
         self.branches: Branches | None = None
         if self.poses:
             over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
-            self.branches = branches(over, self.ways.divided(FIRST), self.most, periodic=scene.drive.periodic)
+            self.branches = branches(over, self.divided(FIRST), self.most, periodic=drive.periodic)
         for place, load in scene.elements:
             if isinstance(load, PressForce) and place in self.program.strokes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
@@ -132,6 +113,13 @@ class Boxes:
             given = {name: picked(one, own) for name, one in given.items()}
             given |= {name: picked(made, row) for row, name in enumerate(self.program.make.choices)}
         return self._over(self._line, low[own], high[own], given), own
+
+    def divided(self, count: int) -> tuple[Samples, Samples]:
+        """At least so many boxes of a cycle, none over two pieces of a law: their ends, shape (n,)."""
+        parts = np.ceil(count * np.diff(self.edges) / np.ptp(self.edges)).astype(int)
+        pieces = zip(self.edges[:-1], self.edges[1:], parts, strict=True)
+        ends = [np.linspace(low, high, n + 1) for low, high, n in pieces]
+        return np.concatenate([own[:-1] for own in ends]), np.concatenate([own[1:] for own in ends])
 
     def _line_of(self, rows: Sequence[Expression]) -> BoxLine:
         """The line that has rows, and the poses of larger groups."""
@@ -157,7 +145,7 @@ class Boxes:
     def _stroke_end(self, displacement: Expression, closing: int) -> TaylorModel:
         """How far a cycle takes a slider in its closing direction, m: the most of boxes that may be the furthest."""
         line = self._line_of([displacement])
-        low, high = self.ways.divided(STROKE)
+        low, high = self.divided(STROKE)
         for _ in range(STROKE_LEVELS):
             models = self._over(line, low, high)
             c, rest = closing * models.c[:, 0], models.rest[0]
@@ -193,14 +181,12 @@ class Boxes:
 
     def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
         """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""
-        tracks, found = [self.core.linkage.tracks], dict[str, TaylorModel]()
-        if not self.core.linkage.tracks:
-            return found
         drive, constant = self.scene.drive, isinstance(self.scene.drive, ConstantSpeed)
-        places = (at.position, *(ends if constant else drive.at(ends).position for ends in (low, high)))
-        several = [inputs_at(at._replace(position=position), tracks) for position in places]
-        for name in several[0].keys() - {*Driven._fields}:
-            three = np.stack([np.broadcast_to(np.ravel(one[name]), low.shape) for one in several])
+        ends = (end if constant else drive.at(end).position for end in (low, high))
+        places = np.concatenate([at.position, *ends])
+        several, found = inputs_at(at._replace(position=places), [self.core.linkage.tracks]), dict[str, TaylorModel]()
+        for name in several.keys() - {*Driven._fields}:
+            three = np.broadcast_to(np.ravel(several[name]), len(places)).reshape(3, len(low))
             known = np.take_along_axis(three, np.isnan(three).argmin(axis=0)[np.newaxis], axis=0)
             middle, first, last = np.where(np.isnan(three), known, three)
             found[name] = point(middle, self.like)

@@ -65,7 +65,7 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     if edges.ndim != 1 or not (np.diff(edges) > 0).all() or not edges[1:].size:
         refuse("edges", "two places or more, increasing", edges)
     boxes = Boxes(scene_of(scene), names, {})
-    ends = np.union1d(edges, boxes.ways.edges[(boxes.ways.edges > edges[0]) & (boxes.ways.edges < edges[-1])])
+    ends = np.union1d(edges, boxes.edges[(boxes.edges > edges[0]) & (boxes.edges < edges[-1])])
     models, own = boxes(ends[:-1], ends[1:])
     low, high = models.range
     first = np.searchsorted(ends[own], edges[:-1])  # of the models between two places

@@ -89,7 +89,7 @@ def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
     part of the way between the others, the first that may hold it. Conditions are to be positive; what is given is the
     first part of the way where one may not be.
     """
-    low, high = boxes.ways.divided(FIRST)
+    low, high = boxes.divided(FIRST)
     way, rows = high.max() - low.min(), len(boxes.names)
     rest = boxes(low, low)[0].rest[:rows]
     # NumPy's median loads the package of masked arrays.
