@@ -26,7 +26,7 @@ from ..core.decomposition import decompose
 from ..core.groups.group_equations import Group
 from ..recorded.arithmetics.box_equations import picked, stacked
 from ..recorded.arithmetics.box_line import BoxLine
-from ..recorded.arithmetics.taylor_models import TaylorModel, parabola_most, point
+from ..recorded.arithmetics.taylor_models import TaylorModel, joined, parabola_most, point
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
 from ..solve import prepared
@@ -134,13 +134,12 @@ class Boxes:
             here = {name: picked(one, slice(first, first + BLOCK)) for name, one in given.items()}
             boxes = point(np.zeros(len(here["position"].rest)), self.like)
             parts.append(stacked([*line(here), boxes]))
-        c, rest = (np.concatenate([getattr(one, x) for one in parts], axis=-1)[..., :-1, :] for x in ("c", "rest"))
+        every = picked(joined(parts), slice(-1))
         if self.branches is not None:
-            rows = len(rest) - len(self.poses)
-            poses = TaylorModel(c[:, rows:], rest[rows:])
+            rows, poses = (picked(every, part) for part in np.split(np.arange(len(every.rest)), [-len(self.poses)]))
             known = self.branches.have(poses, low, high) | np.isinf(poses.rest).any(axis=0)
-            c, rest = c[:, :rows], np.where(known, rest[:rows], np.nan)
-        return TaylorModel(c, rest)
+            every = TaylorModel(rows.c, np.where(known, rows.rest, np.nan))
+        return every
 
     def _stroke_end(self, displacement: Expression, closing: int) -> TaylorModel:
         """How far a cycle takes a slider in its closing direction, m: the most of boxes that may be the furthest."""
@@ -199,14 +198,10 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     least, most = np.ceil(numbers.range[0]), np.floor(numbers.range[1])
     ways = np.where(np.isnan(most), 1, most - least + 1).astype(int)
     ways[:, ways.prod(axis=0) > WAYS] = 1
-    own, values = np.arange(least.shape[1]), np.where(most == least, least, np.nan)
-    for row, several in enumerate(ways):
-        copies = several[own]
-        first = np.repeat(np.cumsum(copies) - copies, copies)
-        own, values = np.repeat(own, copies), np.repeat(values, copies, axis=1)
-        of_several = ways[row, own] > 1
-        values[row, of_several] = (least[row, own] + np.arange(len(own)) - first)[of_several]
-    known = ~np.isnan(values)
+    own = np.repeat(np.arange(ways.shape[1]), ways.prod(axis=0))
+    copy, slower = np.arange(len(own)) - np.searchsorted(own, own), np.cumprod(ways, axis=0) // ways
+    values = least[:, own] + copy // slower[:, own] % ways[:, own]
+    known = ((ways > 1) | (most == least))[:, own]
     c = np.where(known, 0.0, numbers.c[:, :, own])
     c[0] = np.where(known, values, c[0])
     return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, own])), own

@@ -63,6 +63,10 @@ class TaylorModel:
         off = self.radius + ROUNDED * self.sizes[0]
         return self.c[0] - off, self.c[0] + off
 
+    def of(self, boxes: Any) -> "TaylorModel":
+        """That of some boxes."""
+        return TaylorModel(self.c[..., boxes], self.rest[..., boxes])
+
     def __neg__(self) -> "TaylorModel":
         return TaylorModel(-self.c, self.rest)
 
@@ -111,6 +115,11 @@ def point(value: Any, like: int, off: Any = 0.0) -> TaylorModel:
     c = np.zeros((like, len(value)))
     c[0] = value
     return TaylorModel(c, np.broadcast_to(np.asarray(off, np.float64), value.shape))
+
+
+def joined(models: Sequence[TaylorModel]) -> TaylorModel:
+    """Those of all boxes of several."""
+    return TaylorModel(*(np.concatenate([getattr(one, x) for one in models], axis=-1) for x in ("c", "rest")))
 
 
 def parabola_most(c: Samples) -> Samples:
