@@ -137,7 +137,7 @@ class Boxes:
         every = picked(joined(parts), slice(-1))
         if self.branches is not None:
             rows, poses = (picked(every, part) for part in np.split(np.arange(len(every.rest)), [-len(self.poses)]))
-            known = self.branches.have(poses, low, high) | np.isinf(poses.rest).any(axis=0)
+            known = self.branches.have(poses, low, high) | ~np.isfinite(poses.rest).any(axis=0)
             every = TaylorModel(rows.c, np.where(known, rows.rest, np.nan))
         return every
 

@@ -5,10 +5,8 @@ the parabola, to r. The largest of these less r is attained somewhere, and a box
 holds no extreme. All boxes of a level go through the line at once.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -27,8 +25,7 @@ DECIDED = 8  # rests of a single position, as most are: what doubles can decide
 Span: TypeAlias = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class _Boxes:
+class _Boxes(NamedTuple):
     """Boxes that were evaluated together; the rows with either sign, shape (2, ..., rows, n)."""
 
     low: Samples
@@ -54,16 +51,6 @@ class _Boxes:
         most, attained = np.where(unknown, np.inf, top + off), np.where(unknown | fails | assumed, -np.inf, top - off)
         return cls(low[own], high[own], c, rest, most, attained, doubtful, fails)
 
-    @classmethod
-    def joined(cls, several: Sequence["_Boxes"]) -> "_Boxes":
-        """All of several."""
-        every = (np.concatenate([getattr(one, each.name) for one in several], axis=-1) for each in fields(cls))
-        return cls(*every)
-
-    def picked(self, some: Any) -> "_Boxes":
-        """Some of the boxes."""
-        return _Boxes(*(getattr(self, each.name)[..., some] for each in fields(self)))
-
     def within(self, attained: Samples) -> tuple[Numbers, Samples, Samples]:
         """The parts of boxes where rows may attain values, shape (2, rows): of which row, from where and to where."""
         sense, row, box = np.nonzero((self.most >= attained[..., np.newaxis]) & ~self.fails)
@@ -85,9 +72,9 @@ def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
     """Enclose the extremes of all that boxes have, and find where one of their conditions may not hold.
 
     The bounds have the shape (4, 2, rows), the least values before the largest: an extreme is between the first two,
-    infinite where nothing is known, and no bounds are apart by more than `accuracy` of the row's range; it is on the
-    part of the way between the others, the first that may hold it. Conditions are to be positive; what is given is the
-    first part of the way where one may not be.
+    infinite where nothing is known and else as near to each other as `accuracy`, of the row's range, asks for and
+    doubles can decide; it is on the part of the way between the others, the first that may hold it. Conditions are to
+    be positive; what is given is the first part of the way where one may not be.
     """
     low, high = boxes.divided(FIRST)
     way, rows = high.max() - low.min(), len(boxes.names)
@@ -108,10 +95,11 @@ def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
             divided[own[some & divisible]] = True  # with all that is assumed of a box
             if FEWEST * divided.sum() <= boxes.most:
                 break
+        done.append(_Boxes(*(each[..., ~divided[own]] for each in level)))
         low, high = low[divided], high[divided]
         if not len(low):
-            return _enclosed(_Boxes.joined([*done, level]), attained, LEAST * way)
-        done.append(level.picked(~divided[own]))
+            every = _Boxes(*(np.concatenate(each, axis=-1) for each in zip(*done, strict=True)))
+            return _enclosed(every, attained, LEAST * way)
         parts = int(np.clip(AT_ONCE // len(low), FEWEST, MOST))
         ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
         ends[-1] = high
