@@ -42,7 +42,7 @@ class Piece(NamedTuple):
             position, rate, acceleration = position * t + c, rate * t + position, acceleration * t + 2 * rate
         for size, omega, phase in self.sines:
             y, dy = size * np.sin(omega * t + phase), omega * size * np.cos(omega * t + phase)
-            position, rate, acceleration = position + y, rate + dy, acceleration - omega**2 * y
+            position, rate, acceleration = position + y, rate + dy, acceleration - omega * omega * y
         return Driven(position, rate, acceleration)
 
     def moved(self, begin: float, start: float, within: float = 1.0, rise: float = 1.0) -> "Piece":

@@ -6,10 +6,10 @@ rate or an acceleration leaps over where two pieces meet lies on the edge of a b
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 from functools import partial, reduce
+from itertools import zip_longest
 from math import inf
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +26,11 @@ from ..core.decomposition import decompose
 from ..core.groups.group_equations import Group
 from ..recorded.arithmetics.box_equations import picked, stacked
 from ..recorded.arithmetics.box_line import BoxLine
-from ..recorded.arithmetics.taylor_models import TaylorModel, cos, parabola_most, point, sin
+from ..recorded.arithmetics.taylor_models import TaylorModel, joined, parabola_most, point
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
 from ..solve import prepared
 from .branches import ROOM, Branches, branches
-from .extremes import LEAST
 
 FIRST = 64  # boxes of a range, before any is divided
 LAST_PLACE = 2.0**-52  # of a number of the file, which was rounded when it was read and when it became SI
@@ -41,27 +40,6 @@ BLOCK = 512  # boxes of which the models are found at a time, so that they stay 
 MOST, SLOWER = 8000, 5  # boxes at a time, which take seconds; with larger groups a box takes some times as long
 WAYS = 27  # in which three joints may move or rest; more are too many
 Numbers: TypeAlias = NDArray[np.intp]
-
-
-@dataclass(frozen=True)
-class Ways:
-    """The edges between which boxes lie: positions of the drive, rad or m, or instants, s, under a motion law."""
-
-    scene: Scene
-    edges: Samples  # of pieces, within which all is smooth but for what depends on the bodies
-
-    @classmethod
-    def of(cls, scene: Scene) -> "Ways":
-        """Those of a cycle."""
-        if isinstance(scene.drive, ConstantSpeed):
-            return cls(scene, np.array(scene.drive.extent))
-        return cls(scene, np.array([*(piece.begin for piece in scene.drive.pieces), scene.drive.cycle]))
-
-    def divided(self, count: int) -> tuple[Samples, Samples]:
-        """At least so many boxes, none over two pieces: their ends, shape (n,)."""
-        parts = np.ceil(count * np.diff(self.edges) / np.ptp(self.edges)).astype(int)
-        ends = [np.linspace(a, b, n + 1) for a, b, n in zip(self.edges[:-1], self.edges[1:], parts, strict=True)]
-        return np.concatenate([own[:-1] for own in ends]), np.concatenate([own[1:] for own in ends])
 
 
 class Boxes:
@@ -75,7 +53,10 @@ class Boxes:
             names: which channels and magnitudes; None for all.
             off: by how much numbers of the scene may be off, SI, by path in the file.
         """
-        self.scene, self.ways, self.like = scene, Ways.of(scene), 3 + len(off)
+        self.scene, self.like, drive = scene, 3 + len(off), scene.drive
+        # Positions of the drive, rad or m, or instants, s, between which all is smooth but for what depends on bodies.
+        pieces = [] if isinstance(drive, ConstantSpeed) else [*(piece.begin for piece in drive.pieces), drive.cycle]
+        self.edges = np.array(pieces or drive.extent)
         whole = decompose(scene)
         angles = [f"{group.P}.{TRANSMISSION}" for group in whole.groups if not isinstance(group, Group)]
         lengths, channels = magnitudes(scene), None
@@ -111,9 +92,8 @@ class Boxes:
         self.poses = [make.component(one, i) for one in groups for i in range(len(one.of[0].coordinates))]
         self.branches: Branches | None = None
         if self.poses:
-            line, least = BoxLine(self.poses, self.like, self.numbers, room=ROOM), LEAST * np.ptp(self.ways.edges)
-            over, periodic = partial(self._over, line), scene.drive.periodic
-            self.branches = branches(over, self.ways.divided(FIRST), least, self.most, periodic=periodic)
+            over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
+            self.branches = branches(over, self.divided(FIRST), self.most, periodic=drive.periodic)
         for place, load in scene.elements:
             if isinstance(load, PressForce) and place in self.program.strokes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
@@ -134,6 +114,13 @@ class Boxes:
             given |= {name: picked(made, row) for row, name in enumerate(self.program.make.choices)}
         return self._over(self._line, low[own], high[own], given), own
 
+    def divided(self, count: int) -> tuple[Samples, Samples]:
+        """At least so many boxes of a cycle, none over two pieces of a law: their ends, shape (n,)."""
+        parts = np.ceil(count * np.diff(self.edges) / np.ptp(self.edges)).astype(int)
+        pieces = zip(self.edges[:-1], self.edges[1:], parts, strict=True)
+        ends = [np.linspace(low, high, n + 1) for low, high, n in pieces]
+        return np.concatenate([own[:-1] for own in ends]), np.concatenate([own[1:] for own in ends])
+
     def _line_of(self, rows: Sequence[Expression]) -> BoxLine:
         """The line that has rows, and the poses of larger groups."""
         return BoxLine([*rows, *self.poses], self.like, self.numbers)
@@ -147,18 +134,17 @@ class Boxes:
             here = {name: picked(one, slice(first, first + BLOCK)) for name, one in given.items()}
             boxes = point(np.zeros(len(here["position"].rest)), self.like)
             parts.append(stacked([*line(here), boxes]))
-        c, rest = (np.concatenate([getattr(one, x) for one in parts], axis=-1)[..., :-1, :] for x in ("c", "rest"))
+        every = picked(joined(parts), slice(-1))
         if self.branches is not None:
-            rows = len(rest) - len(self.poses)
-            poses = TaylorModel(c[:, rows:], rest[rows:])
-            known = self.branches.have(poses, low, high) | np.isinf(poses.rest).any(axis=0)
-            c, rest = c[:, :rows], np.where(known, rest[:rows], np.nan)
-        return TaylorModel(c, rest)
+            rows, poses = (picked(every, part) for part in np.split(np.arange(len(every.rest)), [-len(self.poses)]))
+            known = self.branches.have(poses, low, high) | ~np.isfinite(poses.rest).any(axis=0)
+            every = TaylorModel(rows.c, np.where(known, rows.rest, np.nan))
+        return every
 
     def _stroke_end(self, displacement: Expression, closing: int) -> TaylorModel:
         """How far a cycle takes a slider in its closing direction, m: the most of boxes that may be the furthest."""
         line = self._line_of([displacement])
-        low, high = self.ways.divided(STROKE)
+        low, high = self.divided(STROKE)
         for _ in range(STROKE_LEVELS):
             models = self._over(line, low, high)
             c, rest = closing * models.c[:, 0], models.rest[0]
@@ -185,7 +171,7 @@ class Boxes:
             given = {"position": way, "time": turned / self.numbers["drive.speed"]}
             at = Driven(middle, np.ones(()), np.zeros(()))
         else:
-            given = {**dict(zip(Driven._fields, driven(drive.pieces, way, middle), strict=True)), "time": way}
+            given = {**driven(drive.pieces, way, middle)._asdict(), "time": way}
             at = drive.at(middle)
         given |= self._guesses(at, low, high)
         for name, winding in self.core.windings.items():
@@ -194,14 +180,12 @@ class Boxes:
 
     def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
         """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""
-        tracks, found = [self.core.linkage.tracks], dict[str, TaylorModel]()
-        if not self.core.linkage.tracks:
-            return found
         drive, constant = self.scene.drive, isinstance(self.scene.drive, ConstantSpeed)
-        places = (at.position, *(ends if constant else drive.at(ends).position for ends in (low, high)))
-        several = [inputs_at(at._replace(position=position), tracks) for position in places]
-        for name in several[0].keys() - {*Driven._fields}:
-            three = np.stack([np.broadcast_to(np.ravel(one[name]), low.shape) for one in several])
+        ends = (end if constant else drive.at(end).position for end in (low, high))
+        places = np.concatenate([at.position, *ends])
+        several, found = inputs_at(at._replace(position=places), [self.core.linkage.tracks]), dict[str, TaylorModel]()
+        for name in several.keys() - {*Driven._fields}:
+            three = np.broadcast_to(np.ravel(several[name]), len(places)).reshape(3, len(low))
             known = np.take_along_axis(three, np.isnan(three).argmin(axis=0)[np.newaxis], axis=0)
             middle, first, last = np.where(np.isnan(three), known, three)
             found[name] = point(middle, self.like)
@@ -214,14 +198,10 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     least, most = np.ceil(numbers.range[0]), np.floor(numbers.range[1])
     ways = np.where(np.isnan(most), 1, most - least + 1).astype(int)
     ways[:, ways.prod(axis=0) > WAYS] = 1
-    own, values = np.arange(least.shape[1]), np.where(most == least, least, np.nan)
-    for row, several in enumerate(ways):
-        copies = several[own]
-        first = np.repeat(np.cumsum(copies) - copies, copies)
-        own, values = np.repeat(own, copies), np.repeat(values, copies, axis=1)
-        of_several = ways[row, own] > 1
-        values[row, of_several] = (least[row, own] + np.arange(len(own)) - first)[of_several]
-    known = ~np.isnan(values)
+    own = np.repeat(np.arange(ways.shape[1]), ways.prod(axis=0))
+    copy, slower = np.arange(len(own)) - np.searchsorted(own, own), np.cumprod(ways, axis=0) // ways
+    values = least[:, own] + copy // slower[:, own] % ways[:, own]
+    known = ((ways > 1) | (most == least))[:, own]
     c = np.where(known, 0.0, numbers.c[:, :, own])
     c[0] = np.where(known, values, c[0])
     return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, own])), own
@@ -234,30 +214,16 @@ def conditions(reach: Expression) -> list[Expression]:
     return [] if reach.of == (inf,) else [reach]  # a crank alone always reaches
 
 
-def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> list[TaylorModel]:
+def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> Any:
     """The position, rate and acceleration that a law asks for over boxes of instants, each within one of its pieces."""
     own = np.searchsorted([piece.begin for piece in pieces], middle, side="right") - 1
-    like = len(way.c)
 
-    def each(values: Sequence[float]) -> TaylorModel:
-        return point(np.array(values)[own], like)
+    def each(values: Sequence[float], off: float = LAW) -> Any:
+        known = np.array(values)[own]
+        return point(known, len(way.c), off * np.abs(known))
 
-    begin = each([piece.begin for piece in pieces])
-    begin.rest = len(pieces) * LAST_PLACE * begin.most  # a sum of as many durations at most
-    t = way - begin - each([piece.lag for piece in pieces])
-    position = rate = acceleration = point(np.zeros(len(middle)), like)
-    terms = np.zeros((3, len(middle)))  # the sums of their sizes, of which the law's own numbers are off by a share
-    for k in reversed(range(max(len(piece.polynomial) for piece in pieces))):
-        c = each([piece.polynomial[k] if k < len(piece.polynomial) else 0.0 for piece in pieces])
-        position, rate, acceleration = position * t + c, rate * t + position, acceleration * t + rate + rate
-        terms = terms * t.most + np.stack([c.most, terms[0], 2 * terms[1]])
-    for k in range(max(len(piece.sines) for piece in pieces)):
-        sines = [piece.sines[k] if k < len(piece.sines) else (0.0, 0.0, 0.0) for piece in pieces]
-        size, omega, phase = (each(values) for values in zip(*sines, strict=True))
-        y, dy = size * sin(omega * t + phase), size * omega * cos(omega * t + phase)
-        position, rate, acceleration = position + y, rate + dy, acceleration - omega * omega * y
-        terms += size.most * omega.most ** np.arange(3)[:, np.newaxis] * (1 + omega.most * t.most)
-    return [
-        one + point(np.zeros(len(middle)), like, LAW * off)
-        for one, off in zip((position, rate, acceleration), terms, strict=True)
-    ]
+    begin = each([piece.begin for piece in pieces], len(pieces) * LAST_PLACE)  # a sum of as many durations at most
+    polynomial = [each(terms) for terms in zip_longest(*(piece.polynomial for piece in pieces), fillvalue=0.0)]
+    several: Any = zip_longest(*(piece.sines for piece in pieces), fillvalue=(0.0, 0.0, 0.0))
+    sines = [tuple(each(values) for values in zip(*each_one, strict=True)) for each_one in several]
+    return Piece(begin, polynomial, sines, each([piece.lag for piece in pieces], 0.0)).at(way)  # type: ignore[arg-type]

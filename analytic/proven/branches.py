@@ -14,8 +14,9 @@ import numpy as np
 from scenes.model.motion import Samples
 
 from ..recorded.arithmetics.box_equations import alone
-from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel
+from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, joined
 
+LEAST = 2.0**-44  # of the whole way: no box is divided further
 ROOM = 4.0  # times a pose's ball, in that of which two boxes are to have no other: one lies in it beside another
 
 
@@ -38,15 +39,13 @@ class Branches:
         end = np.searchsorted(self.low, high)
         unknown = np.append(0, np.cumsum(np.isnan(self.poses.rest).any(axis=0)))
         half, off = ((self.high[own] + sign * self.low[own]) / 2 for sign in (-1, 1))
-        here = TaylorModel(self.poses.c[..., own], self.poses.rest[:, own])
-        same = _same(here, (middle - off) / half, poses, 0.0, 1.0, np.abs(middle) / half)
+        same = _same(self.poses.of(own), (middle - off) / half, poses, 0.0, 1.0, np.abs(middle) / half)
         return same & (unknown[end] == unknown[first])
 
 
 def branches(
     poses: Callable[[Samples, Samples], TaylorModel],
     boxes: tuple[Samples, Samples],
-    least: float,
     most: int,
     *,
     periodic: bool,
@@ -56,27 +55,24 @@ def branches(
     Args:
         poses: over boxes by their ends, shape (n,), alone in ROOM times their balls; infinitely far off where none are.
         boxes: the ends of boxes with all the way, in its order, shape (n,) each.
-        least: no box that is narrower is divided.
         most: boxes at a time; where more are left, their poses are not known.
         periodic: whether the last box meets the first one.
     """
     (low, high), found = boxes, poses(*boxes)
     while True:
-        after = TaylorModel(np.roll(found.c, -1, axis=-1), np.roll(found.rest, -1, axis=-1))
+        after = found.of(np.roll(np.arange(len(low)), -1))
         meets = _same(found, 1.0, after, -1.0, ROOM)
         meets[-1] |= not periodic
         closed, none = np.isfinite(found.rest).all(axis=0), np.isinf(found.rest).any(axis=0)
         unknown = ~none & ~(closed & meets & np.roll(meets, 1))
-        divided = unknown & (high - low > least)
+        divided = unknown & (high - low > LEAST * (high[-1] - low[0]))
         if not divided.any() or 2 * divided.sum() > most:
             return Branches(low, high, TaylorModel(found.c, np.where(unknown | none, np.nan, found.rest)), periodic)
         middle = (low[divided] + high[divided]) / 2
         halves = np.append(low[divided], middle), np.append(middle, high[divided])
-        more = poses(*halves)
         low, high = (np.append(x[~divided], half) for x, half in zip((low, high), halves, strict=True))
         order = np.argsort(low)
-        c, rest = (np.append(getattr(found, x)[..., ~divided], getattr(more, x), axis=-1) for x in ("c", "rest"))
-        low, high, found = low[order], high[order], TaylorModel(c[..., order], rest[:, order])
+        low, high, found = low[order], high[order], joined([found.of(~divided), poses(*halves)]).of(order)
 
 
 def _same(x: TaylorModel, s: Any, y: TaylorModel, r: float, room: float, slip: Any = 0.0) -> Any:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
+from itertools import product
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from scenes.arguments import finite_numbers, known_names, refuse, scene_of
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
 
-from .boxes import FIRST, Boxes
+from .boxes import Boxes
 from .extremes import extremes
 
 
@@ -39,13 +40,10 @@ def enclose(
     if not finite_numbers("accuracy", accuracy) > 0:
         refuse("accuracy", "a number above zero", accuracy)
     boxes = Boxes(scene, names, off or {})
-    found = extremes(boxes, boxes.ways.divided(FIRST), boxes.kinds, boxes.arms, accuracy, boxes.most)
-    rows = [
-        Enclosure(name, extreme, *(float(of[sense, row]) for of in (found.low, found.high, found.first, found.last)))
-        for row, name in enumerate(boxes.names)
-        for sense, extreme in enumerate(("least", "most"))
-    ]
-    return Enclosures(rows if found.open_at is None else (), found.open_at)
+    bounds, open_at = extremes(boxes, accuracy)
+    extreme = product(boxes.names, ("least", "most"))
+    rows = [Enclosure(*names, *of) for names, of in zip(extreme, bounds.T.reshape(-1, 4).tolist(), strict=True)]
+    return Enclosures(rows if open_at is None else (), open_at)
 
 
 def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = None) -> Mapping[str, Samples]:
@@ -67,7 +65,7 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     if edges.ndim != 1 or not (np.diff(edges) > 0).all() or not edges[1:].size:
         refuse("edges", "two places or more, increasing", edges)
     boxes = Boxes(scene_of(scene), names, {})
-    ends = np.union1d(edges, boxes.ways.edges[(boxes.ways.edges > edges[0]) & (boxes.ways.edges < edges[-1])])
+    ends = np.union1d(edges, boxes.edges[(boxes.edges > edges[0]) & (boxes.edges < edges[-1])])
     models, own = boxes(ends[:-1], ends[1:])
     low, high = models.range
     first = np.searchsorted(ends[own], edges[:-1])  # of the models between two places

@@ -5,43 +5,27 @@ the parabola, to r. The largest of these less r is attained somewhere, and a box
 holds no extreme. All boxes of a level go through the line at once.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_most
+from .boxes import FIRST, Boxes, Numbers
+from .branches import LEAST
 
 AT_ONCE = 256  # boxes, which take about as long as a single one
 FEWEST, MOST = 4, 64  # parts of a box
-LEAST = 2.0**-44  # of the whole way: no box is divided further
 FLAT = 1e-9  # of the largest value of a row's kind: what changes by less is zero, or the same, but for round-off
 ROUGHLY = 1e-6  # of that value: how closely such a row is known, whose boxes all hold its extremes
 DECIDED = 8  # rests of a single position, as most are: what doubles can decide
 
 Span: TypeAlias = tuple[float, float]
-Numbers: TypeAlias = NDArray[np.intp]
-Models: TypeAlias = Callable[[Samples, Samples], tuple[TaylorModel, Numbers]]
 
 
-@dataclass(frozen=True)
-class Enclosed:
-    """The least and the largest value of each row, shape (2, rows): infinite bounds where nothing is known."""
-
-    low: Samples
-    high: Samples
-    first: Samples  # of the way: before it the extreme is not
-    last: Samples  # the end of the first part of the way that may hold it
-    open_at: Span | None  # the first part of the way where one of the conditions may not hold
-
-
-@dataclass(frozen=True)
-class _Boxes:
+class _Boxes(NamedTuple):
     """Boxes that were evaluated together; the rows with either sign, shape (2, ..., rows, n)."""
 
     low: Samples
@@ -67,16 +51,6 @@ class _Boxes:
         most, attained = np.where(unknown, np.inf, top + off), np.where(unknown | fails | assumed, -np.inf, top - off)
         return cls(low[own], high[own], c, rest, most, attained, doubtful, fails)
 
-    @classmethod
-    def joined(cls, several: Sequence["_Boxes"]) -> "_Boxes":
-        """All of several."""
-        every = (np.concatenate([getattr(one, each.name) for one in several], axis=-1) for each in fields(cls))
-        return cls(*every)
-
-    def picked(self, some: Any) -> "_Boxes":
-        """Some of the boxes."""
-        return _Boxes(*(getattr(self, each.name)[..., some] for each in fields(self)))
-
     def within(self, attained: Samples) -> tuple[Numbers, Samples, Samples]:
         """The parts of boxes where rows may attain values, shape (2, rows): of which row, from where and to where."""
         sense, row, box = np.nonzero((self.most >= attained[..., np.newaxis]) & ~self.fails)
@@ -94,48 +68,38 @@ class _Boxes:
         return sense * attained.shape[1] + row, np.maximum(first - off, low), np.minimum(last + off, high)
 
 
-def extremes(
-    models: Models,
-    boxes: tuple[Samples, Samples],
-    kinds: Numbers,
-    arms: Samples,
-    accuracy: float,
-    most: int,
-) -> Enclosed:
-    """Enclose the extremes of rows, and find where one of the conditions, which are to be positive, may not hold.
+def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
+    """Enclose the extremes of all that boxes have, and find where one of their conditions may not hold.
 
-    Args:
-        models: of the rows and, after them, of the conditions, over boxes by their ends, shape (n,); and which box each
-            is of, where several are of one that differ in what is assumed.
-        boxes: the ends of boxes with all the way, shape (n,) each.
-        kinds: of which kind each row is, shape (rows,); rows of one kind have one unit, once they are divided by
-        arms: of moments, that they are forces at, shape (rows,); else 1.
-        accuracy: how far the bounds may be apart, of the row's range.
-        most: boxes at a time; where more are left, what they may hold is not known.
+    The bounds have the shape (4, 2, rows), the least values before the largest: an extreme is between the first two,
+    infinite where nothing is known and else as near to each other as `accuracy`, of the row's range, asks for and
+    doubles can decide; it is on the part of the way between the others, the first that may hold it. Conditions are to
+    be positive; what is given is the first part of the way where one may not be.
     """
-    low, high = boxes
-    way, rows = high.max() - low.min(), len(kinds)
-    rest = models(low, low)[0].rest[:rows]
+    low, high = boxes.divided(FIRST)
+    way, rows = high.max() - low.min(), len(boxes.names)
+    rest = boxes(low, low)[0].rest[:rows]
     # NumPy's median loads the package of masked arrays.
     rounding = DECIDED * np.sort(np.where(np.isnan(rest), 0.0, rest), axis=-1)[:, rest.shape[-1] // 2]
     attained = np.full((2, rows), -np.inf)
     done: list[_Boxes] = []
     while True:
-        found = models(low, high)
+        found = boxes(low, high)
         level, own = _Boxes.of(found, low, high, rows), found[1]
         attained = np.maximum(attained, level.attained.max(axis=-1))
-        enough = attained + np.maximum(arms * _tolerance(attained / arms, kinds, accuracy), rounding)
+        enough = attained + np.maximum(boxes.arms * _tolerance(attained / boxes.arms, boxes.kinds, accuracy), rounding)
         wanted = (level.most > enough[..., np.newaxis]).any(axis=(0, 1)) | level.doubtful
         divisible = ~level.fails & (level.high - level.low > LEAST * way)
         for some in (wanted, level.doubtful, np.False_):  # of too many, those alone where it may not assemble
             divided = np.zeros(len(low), np.bool_)
             divided[own[some & divisible]] = True  # with all that is assumed of a box
-            if FEWEST * divided.sum() <= most:
+            if FEWEST * divided.sum() <= boxes.most:
                 break
+        done.append(_Boxes(*(each[..., ~divided[own]] for each in level)))
         low, high = low[divided], high[divided]
         if not len(low):
-            return _enclosed(_Boxes.joined([*done, level]), attained, LEAST * way)
-        done.append(level.picked(~divided[own]))
+            every = _Boxes(*(np.concatenate(each, axis=-1) for each in zip(*done, strict=True)))
+            return _enclosed(every, attained, LEAST * way)
         parts = int(np.clip(AT_ONCE // len(low), FEWEST, MOST))
         ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
         ends[-1] = high
@@ -151,21 +115,21 @@ def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
     return np.where(np.isfinite(span), np.where(span > FLAT * size[kinds], accuracy * span, flat), 0.0)
 
 
-def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> Enclosed:
-    """The bounds by boxes with all the way."""
+def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> tuple[Samples, Span | None]:
+    """What `extremes` gives by boxes with all the way."""
     most = np.maximum(attained, np.where(boxes.fails, -np.inf, boxes.most).max(axis=-1))
     which, begins, ends = boxes.within(attained)
     edges = np.searchsorted(which, np.arange(attained.size + 1))
     parts = [_first(begins[a:b], ends[a:b], apart) or (np.nan, np.nan) for a, b in pairwise(edges)]
-    first, last = np.reshape(parts, (*attained.shape, 2)).transpose(2, 0, 1)
-    low, high = np.stack([-most[0], attained[1]]), np.stack([-attained[0], most[1]])
+    places = np.reshape(parts, (*attained.shape, 2)).transpose(2, 0, 1)
+    bounds = np.array([[-most[0], attained[1]], [-attained[0], most[1]], *places])
     unsure = boxes.doubtful & ~boxes.fails
     open_at = _first(boxes.low[unsure], boxes.high[unsure], apart)
     if boxes.fails.any():
         first_failing = np.where(boxes.fails, boxes.low, np.inf).argmin()
         failing = float(boxes.low[first_failing]), float(boxes.high[first_failing])
         open_at = min(open_at or failing, failing)
-    return Enclosed(low, high, first, last, open_at)
+    return bounds, open_at
 
 
 def _first(begins: Samples, ends: Samples, apart: float) -> Span | None:

@@ -1,6 +1,6 @@
 """Recorded expressions over boxes of the drive's range, as Taylor models."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from types import MappingProxyType
 
@@ -67,51 +67,44 @@ class BoxLine:
         """Prepare it; the poses of larger groups are to be `alone` in so many times what they may be off by."""
         self.rows, self.like = expressions, like
         order = [one for one in needed(expressions, known) if one.order not in known]
-        self.still: dict[int, TaylorModel] = {}
         self.closed = {one.order: Closed(one.of[0], like, room) for one in order if one.operation == "closed"}
         self.order = [one for one in order if one.sampled]
-        kept = {one.order for one in expressions}.union(known)
-        with np.errstate(all="ignore"):
-            self._run(self.still, [one for one in order if not one.sampled], numbers)
-        ends = {of.order: one.order for one in self.order for of in one.operands if of.sampled}
+        last = {of.order: one.order for one in self.order for of in one.operands if of.sampled}
         self.ended: dict[int, list[int]] = {}  # what is needed no more, by the last that it was needed for
-        for of, last in ends.items():
-            if of not in kept:
-                self.ended.setdefault(last, []).append(of)
+        for of in last.keys() - known - {one.order for one in expressions}:
+            self.ended.setdefault(last[of], []).append(of)
+        self.still = self._values([one for one in order if not one.sampled], numbers, {})
 
     def __call__(
         self, given: Mapping[str, TaylorModel], known: Mapping[int, TaylorModel] = MappingProxyType({})
     ) -> list[TaylorModel]:
         """The values of the expressions, given the inputs that differ from box to box, and what is known by order."""
-        values = {**self.still, **known}
-        with np.errstate(all="ignore"):
-            self._run(values, self.order, given)
+        values = self._values(self.order, given, {**self.still, **known})
         return [values[one.order] for one in self.rows]
 
-    def _run(
-        self, values: dict[int, TaylorModel], order: Sequence[Expression], given: Mapping[str, TaylorModel]
-    ) -> None:
-        ended = self.ended if order is self.order else {}
+    @np.errstate(all="ignore")
+    def _values(
+        self, order: Iterable[Expression], given: Mapping[str, TaylorModel], values: dict[int, TaylorModel]
+    ) -> dict[int, TaylorModel]:
         for one in order:
-            of = [values[operand.order] for operand in one.operands]
-            match one.operation:
-                case "constant":
-                    value = one.of[0]
-                    rounded = 0.0 if (value * EXACT).is_integer() else ROUNDED * abs(value)
-                    made = point(value, self.like, rounded)
-                case "input":
-                    made = given[one.of[0]]
-                case "closed":
-                    made = self.closed[one.order](*of)
-                case "system":
-                    made = solution(of)
-                case "component":
-                    made = picked(of[0], int(one.of[1].of[0]))
-                case "less" | "less_equal" if not one.sampled:  # of the file's numbers: as they are, to the last place
-                    yes = OPERATIONS[one.operation](*(x.c[0, 0] for x in of))
-                    made = point(float(yes), self.like)
-                case operation:
-                    made = RULES[operation](*of)
-            values[one.order] = made
-            for other in ended.get(one.order, ()):
-                del values[other]
+            values[one.order] = self._value(given, one, [values[of.order] for of in one.operands])
+            for ended in self.ended.get(one.order, ()):
+                del values[ended]
+        return values
+
+    def _value(self, given: Mapping[str, TaylorModel], one: Expression, of: Sequence[TaylorModel]) -> TaylorModel:
+        match one.operation:
+            case "constant":
+                rounded = 0.0 if (one.of[0] * EXACT).is_integer() else ROUNDED * abs(one.of[0])
+                return point(one.of[0], self.like, rounded)
+            case "input":
+                return given[one.of[0]]
+            case "closed":
+                return self.closed[one.order](*of)
+            case "system":
+                return solution(of)
+            case "component":
+                return picked(of[0], int(one.of[1].of[0]))
+            case "less" | "less_equal" if not one.sampled:  # of the file's numbers: as they are, to the last place
+                return point(OPERATIONS[one.operation](*(x.c[0, 0] for x in of)), self.like)
+        return RULES[one.operation](*of)

@@ -63,6 +63,10 @@ class TaylorModel:
         off = self.radius + ROUNDED * self.sizes[0]
         return self.c[0] - off, self.c[0] + off
 
+    def of(self, boxes: Any) -> "TaylorModel":
+        """That of some boxes."""
+        return TaylorModel(self.c[..., boxes], self.rest[..., boxes])
+
     def __neg__(self) -> "TaylorModel":
         return TaylorModel(-self.c, self.rest)
 
@@ -81,8 +85,21 @@ class TaylorModel:
         rest = dropped + self.most * (other.rest + ROUNDED * other.most) + self.rest * (other.most + other.rest)
         return TaylorModel(c, rest * UP + TINY)
 
+    def __rmul__(self, factor: float) -> "TaylorModel":
+        return point(factor, len(self.c)) * self
+
     def __truediv__(self, other: "TaylorModel") -> "TaylorModel":
         return self * _reciprocal(other)
+
+    def sin(self) -> "TaylorModel":
+        """The sine of an angle, rad, as NumPy's function calls it."""
+        s, c = np.sin(self.c[0]), np.cos(self.c[0])
+        return _composed(self, (s, c, -s / 2), np.array(1 / 6))
+
+    def cos(self) -> "TaylorModel":
+        """The cosine of an angle, rad, as NumPy's function calls it."""
+        s, c = np.sin(self.c[0]), np.cos(self.c[0])
+        return _composed(self, (c, -s, -c / 2), np.array(1 / 6))
 
 
 def _rounded(c: Samples, rest: Samples) -> TaylorModel:
@@ -98,6 +115,11 @@ def point(value: Any, like: int, off: Any = 0.0) -> TaylorModel:
     c = np.zeros((like, len(value)))
     c[0] = value
     return TaylorModel(c, np.broadcast_to(np.asarray(off, np.float64), value.shape))
+
+
+def joined(models: Sequence[TaylorModel]) -> TaylorModel:
+    """Those of all boxes of several."""
+    return TaylorModel(*(np.concatenate([getattr(one, x) for one in models], axis=-1) for x in ("c", "rest")))
 
 
 def parabola_most(c: Samples) -> Samples:
@@ -153,18 +175,6 @@ def _sqrt(x: TaylorModel) -> TaylorModel:
         return root
     rough = hull(np.sqrt(np.maximum(low, 0)), np.sqrt(high) * UP, len(x.c))
     return _either(smooth & (root.rest < rough.rest), root, rough)
-
-
-def sin(x: TaylorModel) -> TaylorModel:
-    """The sine of an angle, rad."""
-    s, c = np.sin(x.c[0]), np.cos(x.c[0])
-    return _composed(x, (s, c, -s / 2), np.array(1 / 6))
-
-
-def cos(x: TaylorModel) -> TaylorModel:
-    """The cosine of an angle, rad."""
-    s, c = np.sin(x.c[0]), np.cos(x.c[0])
-    return _composed(x, (c, -s, -c / 2), np.array(1 / 6))
 
 
 def _tanh(x: TaylorModel) -> TaylorModel:
@@ -243,8 +253,8 @@ RULES: Mapping[str, Callable[..., TaylorModel]] = {
     "negative": TaylorModel.__neg__,
     "absolute": _absolute,
     "sqrt": _sqrt,
-    "sin": sin,
-    "cos": cos,
+    "sin": TaylorModel.sin,
+    "cos": TaylorModel.cos,
     "tanh": _tanh,
     "floor": _floor,
     "arctan2": _arctan2,

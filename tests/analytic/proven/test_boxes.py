@@ -114,7 +114,7 @@ def test_no_value_of_many_random_linkages_escapes(tmp_path: Path) -> None:
 def test_copies_of_a_box_are_all_that_may_be() -> None:
     """A press force comes and goes in wide boxes, each of which is there once with it and once without."""
     boxes = Boxes(scene_files.load("crank_press"), None, {})
-    ends = np.linspace(boxes.ways.edges[0], boxes.ways.edges[-1], 9)
+    ends = np.linspace(boxes.edges[0], boxes.edges[-1], 9)
     _, own = boxes(ends[:-1], ends[1:])
     assert set(own) == set(range(8))
     assert np.bincount(own).max() == 2

@@ -118,7 +118,7 @@ def test_a_turn_closes_where_the_last_box_has_the_first_one_s_pose(
         return TaylorModel(c, np.full((3, len(low)), 1e-6))
 
     edges = np.linspace(0.0, 1.0, 9)
-    found = branches.branches(poses, (edges[:-1], edges[1:]), 2.0**-20, 1000, periodic=periodic)
+    found = branches.branches(poses, (edges[:-1], edges[1:]), 1000, periodic=periodic)
     doubtful = np.flatnonzero(np.isnan(found.poses.rest).any(axis=0))
     assert [*doubtful] == [0, len(found.low) - 1][:unknown]
-    assert ((found.high - found.low)[doubtful] <= 2.0**-20).all()
+    assert ((found.high - found.low)[doubtful] <= branches.LEAST).all()
