@@ -1,6 +1,6 @@
 """Numbers for a reader: quantities in the units of a page, shares in per cent, errors as short powers of ten."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import floor, isinf, isnan, log10, pi
 from typing import TypeAlias
 
@@ -24,12 +24,18 @@ def units(*references: Reference) -> Units:
 
     Lengths and their rates are in the unit of the scene's file where it suits them; work and power are not among them.
     """
-    name, size = references[0].scene.units["length"]
+    sizes = [(UNITS[quantity(channel)], size) for of in references for channel, size in of.scale.items()]
+    return suited(references[0].scene.units["length"], sizes)
+
+
+def suited(length: tuple[str, float], sizes: Iterable[tuple[str, float]]) -> Units:
+    """The same by a file's unit of length, and sizes in SI, each with its unit."""
+    name, size = length
     of_the_file = {"m": name, "m/s": f"{name}/s", "m/s^2": f"{name}/s²"}
-    shown = dict(ALONE)
-    for si in (*of_the_file, "N", "N*m"):
-        sizes = [s for of in references for channel, s in of.scale.items() if UNITS[quantity(channel)] == si]
-        peak = max(sizes, default=0.0)
+    peaks, shown = dict.fromkeys((*of_the_file, "N", "N*m"), 0.0), dict(ALONE)
+    for unit, value in sizes:
+        peaks |= {unit: max(peaks[unit], abs(value))} if unit in peaks else {}
+    for si, peak in peaks.items():
         own = si in of_the_file and (not peak or 1 <= peak / size < MOST)
         shown[si] = (1 / size, of_the_file[si]) if own else prefixed(peak, si)
     return shown

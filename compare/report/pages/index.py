@@ -9,7 +9,7 @@ from scenes import InputError
 from scenes.errors import one_line
 
 from ...judge.agreement import Agreement, Word
-from ..numbers import ALONE, capital, written
+from ..numbers import capital, suited, written
 from ..output.earlier import Summary, summary_of
 from ..tables.first_screen import parted
 from .html import render
@@ -23,12 +23,14 @@ def index_page(folder: Path) -> str:
     for file in sorted(folder.glob("[!.]*/summary.json")):
         try:
             rows.append(_row(file.parent, summary_of(file)))
-        except (InputError, OSError, KeyError) as error:
+        except (InputError, OSError, KeyError, TypeError, ValueError) as error:
             left_out[file.parent.name] = one_line(str(error))
     return render("index.html", title=TITLE, rows=rows, left_out=left_out)
 
 
 def _row(folder: Path, known: Summary) -> dict[str, Any]:
+    peaks = parted(known.peaks)[0]
+    units = suited(known.scene["units"]["length"], ((peak.unit, peak.value) for peak in peaks))
     return {
         "title": one_line(str(known.scene["title"])),
         "folder": folder.name,
@@ -36,7 +38,7 @@ def _row(folder: Path, known: Summary) -> dict[str, Any]:
         "stopped": not known.complete,
         "agreement": Agreement(Word[known.verdict["word"]], known.verdict["sentence"]),
         "picture": b64encode(known.picture.encode()).decode(),  # as an image: no script of it can run
-        "peaks": [(capital(peak.name), written(peak.value, peak.unit, ALONE)) for peak in parted(known.peaks)[0]],
+        "peaks": [(capital(peak.name), written(peak.value, peak.unit, units)) for peak in peaks],
         "since": "the baseline" if known.since_baseline is not None else "the last run",
         "changes": known.since_last_run if known.since_baseline is None else known.since_baseline,
     }
