@@ -86,8 +86,8 @@ def test_a_row_or_a_line_chooses_its_member(opened: "Page", folder: Path) -> Non
     shows(opened, folder, 290)
     opened.evaluate("document.querySelector('#curves .u-over').scrollIntoView({ block: 'center' })")
     x, y = opened.evaluate(
-        """() => { const { u, traces: [{ X, Y }] } = document.querySelector('#curves .plot').plot.panels[0], n = X.length >> 1;
-          const box = u.over.getBoundingClientRect();
+        """() => { const { u, traces: [{ X, Y }] } = document.querySelector('#curves .plot').plot.panels[0];
+          const n = X.length >> 1, box = u.over.getBoundingClientRect();
           return [box.left + u.valToPos(X[n], 'x'), box.top + u.valToPos(Y[n], 'y')]; }"""
     )
     opened.mouse.move(x, y)
