@@ -74,34 +74,45 @@ const update = () => {
   ways.forEach((path, k) => path.setAttribute("d", drawn(rows.map(n => at(bench.paths[k], n)))));
   reshape(now);
   show(now);
-  compare();
   edits.forEach(redraw => redraw());
-  [...rowsIn].forEach(row => {
+  list();
+};
+const list = () => {
+  compare();
+  for (const row of rowsIn) {
     const { k } = row.dataset, box = row.querySelector("input");
     if (box !== document.activeElement) box.value = +(edited[k] / bench.numbers[k].size).toPrecision(6);
     row.classList.toggle("changed", edited[k] !== design[k]);
-  });
+  }
   clearTimeout(later);
   later = setTimeout(weigh, 250);
 };
-let later = 0;
+let later = 0, isNear = false; // whether the reader sees what a number weighs
+new IntersectionObserver(([{ isIntersecting }]) => {
+  isNear = isIntersecting;
+  if (isNear) weigh();
+}, { rootMargin: "50%" }).observe(inTable(".numbers"));
 
 const STEP = 1e-4; // of a number, to either side
-const weigh = () => { // by what share the chosen number of the design changes with 1 % of each of its numbers
-  const one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
+let weighing = 0; // how often it has begun
+const weigh = async () => { // by what share the chosen number of the design changes with 1 % of each of its numbers
+  const mine = ++weighing, one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
   const size = () => {
     solve(number, rows);
     const of = measured(one, rows), sizes = rows[0].map((_, n) => of(n));
     return one.kind === "range" ? Math.max(...sizes) - Math.min(...sizes) : Math.abs(Math.max(...sizes));
   };
-  const [now] = [size()], shares = [...rowsIn].map(({ dataset: { k } }) => {
+  const now = size(), shares = [];
+  for (const { dataset: { k } } of rowsIn) {
     const kept = number[k], [less, more] = [-1, 1].map(sign => {
       number[k] = kept * (1 + sign * STEP);
       return size();
     });
     number[k] = kept;
-    return kept ? (more - less) / (2 * STEP) / now : NaN; // of a zero there is no share
-  });
+    shares.push(kept ? (more - less) / (2 * STEP) / now : NaN); // of a zero there is no share
+    await pause();
+    if (mine !== weighing || !isNear) return;
+  }
   const most = Math.max(...shares.map(share => Math.abs(share) || 0));
   [...rowsIn].forEach((row, r) => {
     const [bar, figure] = row.lastElementChild.children;
@@ -208,4 +219,7 @@ check.dataset.difference = away;
 inTable(".controls").hidden = !(away <= LIMIT);
 check.textContent = away <= LIMIT ? `This page solves the linkage by itself, by the formulas of the reference. It has ${apart}.`
   : `This page does not find ${apart}: nothing can be changed here.`;
-if (away <= LIMIT) update();
+if (away <= LIMIT) {
+  await pause();
+  list();
+}

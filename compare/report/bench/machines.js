@@ -1,5 +1,6 @@
 // Machines within the scene's tolerances about the design as it is: a band in each plot, and how many meet the limits.
 const drawn = bench.machines, chosen = inTable("[name=machines]"), PART = 8, FEW = 0.01; // ms of a frame; left out at each end
+let quick = null; // the program without angles, whose arcs take most of the time
 const every = drawn.numbers.length ? drawn.off[0].length : 0, own = arrays(count), number = new Float64Array(design.length);
 let study = null; // of machines, while it goes on
 let stale = false; // whether the design has changed meanwhile
@@ -18,7 +19,7 @@ const begun = () => ({
 const one = () => {
   number.set(edited);
   drawn.numbers.forEach((k, j) => (number[k] += drawn.off[j][study.m]));
-  solve(number, own, quick); // which has no angles, whose arcs take most of the time
+  solve(number, own, (quick ??= withoutAngles()));
   study.m++;
   if (stops(own) >= 0) return study.lost++;
   study.met += meets(own);

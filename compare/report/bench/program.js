@@ -6,9 +6,10 @@ const design = Float64Array.from(bench.numbers, ({ value }) => value), edited = 
 const given = Object.fromEntries(Object.entries(bench.given).map(([name, values]) => [name, Float64Array.from(values)]));
 const rate = index["drive.speed"];
 const compiled = text => new Function(`return ${text}`)();
+await pause();
 const line = compiled(bench.line), strokes = Object.entries(bench.strokes).map(([name, s]) => [name, s, compiled(s.text)]);
 const angles = new Set(bench.channels.flatMap((channel, k) => (channel.endsWith(".angle") ? [`row[${k}]`] : [])));
-const quick = compiled(bench.line.split("\n").filter(text => !angles.has(text.split("[i]")[0])).join("\n")); // without them
+const withoutAngles = () => compiled(bench.line.split("\n").filter(text => !angles.has(text.split("[i]")[0])).join("\n"));
 const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new Float64Array(n)); // the last: the reach
 const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
 const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
@@ -42,6 +43,7 @@ const solve = (number, rows, by = line) => {
   return rows;
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
+await pause();
 const stops = rows => rowsOfDesign[0].findIndex((_, n) => !(rows.at(-1)[n] >= 0)); // the first sample without a pose
 
 const largest = values => values.reduce((most, v) => Math.max(most, v), 0); // NaN where there is one

@@ -45,12 +45,16 @@ if (diagram) {
   const frames = () => {
     const bodies = chosenOne().bodies.filter(body => `${body}.angle` in place);
     frame.replaceChildren(...["", ...bodies].map(body => new Option(body || "the ground", body)));
-    redraw();
   };
-  chosen.onchange = frames;
+  chosen.onchange = () => (frames(), redraw());
   frame.onchange = redraw;
-  followers.push(follow);
-  edits.push(redraw);
+  new IntersectionObserver((seen, observer) => { // first where it comes near
+    if (!seen[0].isIntersecting) return;
+    observer.disconnect();
+    followers.push(follow);
+    edits.push(redraw);
+    redraw();
+  }, { rootMargin: "30%" }).observe(diagram);
   let from = [0, 0];
   svg.addEventListener("pointerdown", ({ clientX, clientY }) => (from = [clientX, clientY]));
   svg.addEventListener("click", ({ target, clientX, clientY }) => { // on a pin, which is not dragged
@@ -60,6 +64,7 @@ if (diagram) {
     if (k < 0 || !pin) return;
     chosen.value = k;
     frames();
+    redraw();
     diagram.scrollIntoView({ block: "nearest" });
   });
   frames();

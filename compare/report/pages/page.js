@@ -7,6 +7,7 @@ const inflated = id => {
   const zipped = new Blob([bytes(document.getElementById(id).textContent)]);
   return new Response(zipped.stream().pipeThrough(new DecompressionStream("gzip")));
 };
+const pause = () => new Promise(done => setTimeout(done)); // between two tasks, so that none is long
 const unpacked = id => inflated(id).text();
 
 const closed = [];
