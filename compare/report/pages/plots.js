@@ -116,7 +116,10 @@ class Chart {
         drag: { x: this.zooms, y: this.zooms, uni: WIDE, dist: 8, setScale: false },
         move: (u, ...at) => (panel.pointer = at), dataIdx: (u, k) => nearest(u, panel.pointer, traces[k - 1]),
       },
-      hooks: { draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)], setSelect: [() => zoom(this, panel)] },
+      hooks: {
+        draw: [() => this.show(this.position)], setCursor: [u => readOut(this, u, panel)],
+        setSelect: [() => zoom(this, panel)],
+      },
     }, this.data(panel), place);
   }
 
@@ -130,6 +133,7 @@ class Chart {
     ctx.rect(left, top, width, height);
     ctx.clip();
     Object.assign(ctx, { font: FONT.replace("12", 11 * ratio), textAlign: "center", textBaseline: "middle" });
+    ctx.globalAlpha = trace.marker.opacity ?? 1;
     trace.x.forEach((_, n) => {
       const [from, to] = trace.box(n), ground = trace.meta?.[n] ?? colour(trace), edge = trace.meta ? ratio : 0;
       const [x0, y0] = place(from, trace.Y[n] + half), [x1, y1] = place(to, trace.Y[n] - half);
@@ -146,20 +150,22 @@ class Chart {
     const { place } = this, host = element("div", { className: "panels" });
     const sized = [...this.columns((this.width = place.clientWidth))];
     const group = (name, ...buttons) => element("span", { className: name, role: "group" }, ...buttons);
-    const tools = [legend(this), group("menu", ...menu(this)), group("buttons", ...bar(this))];
     this.text = element("div", { className: "hover", hidden: true });
-    host.style.gridTemplateColumns = `repeat(${Math.max(...sized.map(([, , column]) => column)) + 1}, max-content)`;
-    host.onpointerdown = () => (this.dragged = false);
-    host.onclick = () => this.near && !this.dragged && place.dispatchEvent(new CustomEvent("chosen", { detail: this.near }));
+    const columns = 1 + Math.max(...sized.map(([, , column]) => column)), row = sized.slice(0, columns);
+    host.style.gridTemplateColumns = row.map(([, width]) => `${width}px`).join(" ");
+    host.onpointerdown = () => void (this.dragged = false);
+    host.onclick = () => {
+      if (this.near && !this.dragged) place.dispatchEvent(new CustomEvent("chosen", { detail: this.near }));
+    };
     for (const [panel, ...size] of sized) {
-      if (host.children.length) await new Promise(done => setTimeout(done)); // each by itself
       const own = element("div", {}, ...(panel.note ? [element("h4", { textContent: panel.note.text })] : []));
       host.append(own);
       panel.u?.destroy();
       panel.u = this.drawn([panel, ...size], devicePixelRatio, uPlot(), own);
       panel.u.over.append(panel.line);
+      await pause();
     }
-    await null; // by then they are drawn
+    const tools = [legend(this), group("menu", ...menu(this)), group("buttons", ...bar(this))];
     const notes = this.notes.map(textContent => element("p", { className: "soft small", textContent }));
     const kept = place.querySelectorAll(".paper");
     place.replaceChildren(element("div", { className: "tools" }, ...tools), host, this.text, ...notes, ...kept);
@@ -254,6 +260,7 @@ const inTurn = job => (turn = turn.then(() => new Promise(done => setTimeout(() 
 const draw = place => {
   inTurn(figures);
   inTurn(uPlot);
+  inTurn(() => chart(place));
   inTurn(() => chart(place).build());
 };
 const resized = new ResizeObserver(all => all.forEach(({ target, contentRect: { width } }) => {

@@ -15,7 +15,10 @@ const element = (tag, properties = {}, ...children) => {
 const icon = (pen, trace, x, y) => {
   const { line, marker, mode, low, box } = trace, one = { ...marker, size: 8, symbol: [marker.symbol].flat()[0] };
   Object.assign(pen, { strokeStyle: colour(trace), fillStyle: colour(trace), lineWidth: Math.min(line.width ?? 2, 5) });
-  if (low || box) return pen.fillRect(x, y - 5, ICON, 10);
+  pen.globalAlpha = marker.opacity ?? 1;
+  if (low || box) pen.fillRect(x, y - 5, ICON, 10);
+  pen.globalAlpha = 1;
+  if (low || box) return;
   pen.setLineDash(DASHES[line.dash] ?? []);
   if (mode !== "markers") pen.stroke(new Path2D(`M${x} ${y}h${ICON}`));
   pen.setLineDash([]);

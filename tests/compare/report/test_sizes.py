@@ -17,7 +17,7 @@ from compare.report.linkage.moving import SAMPLES, MovingPicture
 from compare.report.pages.html import ROWS, Parts, first, shortened
 from compare.report.pages.report import page
 from compare.study import Study
-from scenes import Motion, load
+from scenes import Motion, Sampling, load
 from scenes.model.motion import Samples
 from tests.comparisons import studied
 from tests.pages import unpacked, without_scripts
@@ -112,6 +112,11 @@ def test_what_moves_the_linkage_can_be_unpacked(result: Study) -> None:
         if channel in result.motion:
             expected = result.motions["pymunk"][channel] - result.motion[channel]
             assert off[number] == pytest.approx(expected, rel=1e-7, abs=1e-30), channel
+
+
+def test_the_main_job_has_a_page_below_a_megabyte() -> None:
+    text = page(studied(load("toggle_press"), ["analytic", "exudyn", "pymunk"], Sampling(360)))
+    assert len(text.encode()) < 1e6
 
 
 def test_a_short_run_is_drawn_whole(result: Study) -> None:
