@@ -20,6 +20,7 @@ from compare.report.plain import plain
 from compare.study import Study
 from scenes import Sampling, Scene, Status, load, shipped
 from scenes.drive import Samples
+from tests import scene_files
 from tests.comparisons import studied
 from tests.pages import silent
 
@@ -35,7 +36,7 @@ ROUND_OFF = 1e-9  # of a channel's scale: one that is less is nothing but round-
 EDITS = 10  # of each of 20 scenes
 # What the page's script has around it in a report: where its data come from, and what the picture has read.
 STUB = """<script type=module>
-const unpacked = async () => document.getElementById("data").textContent, inflated = unpacked;
+const unpacked = async () => document.getElementById("data").textContent, pause = async () => {};
 const head = { quanta: [], channels: [] }, value = () => NaN, count = %d;
 document.body.append(Object.assign(document.createElement("div"), { id: "bench" }));
 %s
@@ -312,3 +313,49 @@ def test_without_a_script_the_picture_stands(browser: "Browser", press_report: P
     assert page.get_by_text("For this the page needs a script.").is_visible()
     assert not page.get_by_role("button", name="Play").is_visible()
     page.close()
+
+
+@pytest.mark.parametrize(
+    ("path", "value"), [("bodies.slider.mass", -1), ("drive.speed", 0), ("bodies.rod.lengths.P4-P5", 0)]
+)
+def test_a_number_that_no_file_may_have_changes_nothing(undone: "Page", path: str, value: float) -> None:
+    typed(undone, path, value)
+    assert not undone.get_by_text("Edited: not cross-checked").is_visible()
+
+
+def test_every_number_that_is_changed_is_an_edit(browser: "Browser", tmp_path: Path) -> None:
+    """One without a unit too: a coefficient of friction; the torque is then that of the core with it."""
+    folder = files.write(studied(load("crank_press_friction"), ["analytic"]), tmp_path)
+    with silent(browser, folder / "report.html", viewport={"width": 1400, "height": 900}) as page:
+        page.wait_for_selector("#bench .controls:not([hidden])")
+        typed(page, "friction.1.coefficient", 0.2)
+        assert page.get_by_text("Edited: not cross-checked").is_visible()
+        shown = float(now(page, "Drive: torque")[1].split()[0].replace("−", "-").replace(",", ""))
+    core = analytic.solve(
+        load("crank_press_friction", {"friction.1.coefficient": 0.2}), np.linspace(0, 2 * np.pi, 7201)
+    )
+    peak = core["drive.torque"][np.abs(core["drive.torque"]).argmax()] / 1e3
+    assert shown == pytest.approx(peak, rel=2e-3)  # the press force goes within a sample
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["cross_slide", "swinging_block", "shaper", "telescope", "gas_spring", "elbow", "bucket"]
+)
+def test_linkages_of_other_kinds_are_edited_without_an_error(browser: "Browser", name: str, tmp_path: Path) -> None:
+    """Every number in turn by 1 %, and every pin that can be dragged by some px."""
+    folder = files.write(studied(scene_files.load(name), ["analytic"]), tmp_path)
+    with silent(browser, folder / "report.html", viewport={"width": 1400, "height": 1000}) as page:
+        page.wait_for_selector("#self-check[data-difference]", state="attached")
+        assert page.locator("#bench .controls").is_visible()
+        for box in page.locator("#bench [type=number]").all():
+            if (value := float(box.input_value())) != 0:
+                box.fill(repr(1.01 * value))
+                box.fill(repr(value))
+        for point in page.locator("#linkage .draggable").all():
+            place = point.locator(".pin").bounding_box()
+            assert place is not None
+            page.mouse.move(place["x"] + 6, place["y"] + 6)
+            page.mouse.down()
+            page.mouse.move(place["x"] + 10, place["y"] + 3)
+            page.mouse.up()

@@ -19,7 +19,7 @@ const fill = rows => {
   for (const { channel, on, way: [u, v], names } of bench.pushes) {
     if (!(channel in column) || !(names[0] in place)) continue;
     for (let n = 0; n < count; n++) {
-      const size = rows[column[channel]][n], turn = on ? rows[column[`${on}.angle`]][n] : 0;
+      const size = rows[column[channel]][n], turn = rows[column[`${on}.angle`]]?.[n] ?? 0;
       numbers[place[names[0]] + n] = size * (u * Math.cos(turn) - v * Math.sin(turn));
       numbers[place[names[1]] + n] = size * (u * Math.sin(turn) + v * Math.cos(turn));
     }
@@ -29,7 +29,7 @@ const fill = rows => {
 
 // --- the picture -----------------------------------------------------------------------------------------------------
 
-const shapes = Object.entries(bench.shapes).map(([body, points]) => [body, points, find(`[data-turn="${body}"] > :is(.bar, .plate)`)]);
+const shapes = Object.entries(bench.shapes).map(([body, points]) => [body, points, find(`[data-turn="${body}"] > .own`)]);
 const ways = [...svg.querySelectorAll(".path")], ghost = made("path", svg.querySelector(".engines"), "before");
 const drawn = points => `M${points.map(point => point.map(z => z.toFixed(2)).join(" ")).join("L")}`;
 const judged = (point, n) => inPicture(...run.ground[point] ?? ["x", "y"].map(q => run.numbers[place[`${point}.${q}`] + n]));
@@ -53,7 +53,7 @@ const judgedSizes = bench.asked.map((one, r) => {
   return { was, places };
 });
 const compare = () => bench.asked.forEach((one, r) => {
-  const [now, at] = asked(one, rowsNow, edited), { was, places } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
+  const [now, at] = asked(one, isEdited ? rowsNow : rowsOfDesign, edited), { was, places } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
   cell.textContent = isEdited ? `${written(one.factor * now, places)} ${one.unit}` : "";
   const share = 100 * (Math.abs(now / was) - 1);
   change.textContent = isEdited ? `${share < 0 ? "−" : "+"}${Math.abs(share).toFixed(1)} %` : "";
@@ -61,7 +61,7 @@ const compare = () => bench.asked.forEach((one, r) => {
 });
 
 const update = () => {
-  isEdited = edited.some((number, k) => number !== design[k] && bench.numbers[k].unit);
+  isEdited = edited.some((number, k) => number !== design[k] && bench.numbers[k].free);
   solve(edited, rowsNow);
   if (isEdited) fill(rowsNow);
   else numbers.set(run.numbers), Object.assign(head.ground, structuredClone(run.ground));
@@ -138,7 +138,7 @@ const dragged = (point, goal, n) => {
     const from = there(point, n), angle = `${move.body}.angle` in place ? value(`${move.body}.angle`, n) : 0;
     const c = Math.cos(angle), s = Math.sin(angle);
     if (move.slide) { // on its guide
-      const turn = move.slide.on === "ground" ? 0 : value(`${move.slide.on}.angle`, n), [u, v] = move.slide.along;
+      const turn = `${move.slide.on}.angle` in place ? value(`${move.slide.on}.angle`, n) : 0, [u, v] = move.slide.along;
       goal = along(goal, from, [u * Math.cos(turn) - v * Math.sin(turn), u * Math.sin(turn) + v * Math.cos(turn)]);
     } else if (move.local.length) {
       const [dx, dy] = [goal[0] - from[0], goal[1] - from[1]];
@@ -172,8 +172,8 @@ for (const pin of svg.querySelectorAll("[data-point]:has(> .pin)")) {
 
 const toml = () => {
   const tables = structuredClone(bench.tables);
-  bench.numbers.forEach(({ path, size, unit }, k) => {
-    if (edited[k] === design[k] || !unit) return;
+  bench.numbers.forEach(({ path, size, free }, k) => {
+    if (edited[k] === design[k] || !free) return;
     const parts = path.split("."), last = parts.pop(), turned = last.split("-").reverse().join("-");
     const table = parts.reduce((inner, part) => inner[part], tables);
     table[turned in table ? turned : last] = +(edited[k] / size).toPrecision(12);
@@ -197,6 +197,7 @@ const toml = () => {
 
 inTable(".numbers").addEventListener("input", ({ target }) => {
   const { k } = target.closest("tr").dataset, typed = target.valueAsNumber;
+  if (!target.checkValidity() || !(typed || bench.numbers[k].zero)) return; // what no file may have
   edited[k] = Number.isFinite(typed) ? typed * bench.numbers[k].size : design[k];
   update();
 });

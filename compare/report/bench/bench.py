@@ -62,7 +62,8 @@ class Bench:
                 "path": path,
                 "value": value,
                 "size": scene.size(scene.numbers[path]) if path in scene.numbers else 1.0,
-                "unit": scene.all_units[scene.numbers[path].quantity.dimension][0] if path in scene.numbers else "",
+                "free": path in scene.numbers,
+                "zero": path in scene.numbers and scene.numbers[path].quantity.zero,
             }
             for path, value in zip(self.program["numbers"], values, strict=True)
         ]
@@ -163,7 +164,8 @@ class Bench:
         for k, path in enumerate(self.program["numbers"]):
             number = self.scene.numbers.get(path)
             if number is not None and number.quantity.dimension != "direction":
-                yield {"k": k, "path": path, "unit": self.scene.all_units[number.quantity.dimension][0]}
+                least = "" if number.quantity.negative else 0
+                yield {"k": k, "path": path, "unit": self.scene.all_units[number.quantity.dimension][0], "least": least}
 
     def _asked(self) -> Iterator[Asked]:
         assert self.program is not None

@@ -30,7 +30,8 @@ const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a s
   const rising = at(low)[1] > 0;
   if (rising !== at(high)[1] > 0)
     for (let n = 0; n < HALVINGS; n++) at((low + high) / 2)[1] > 0 === rising ? (low = (low + high) / 2) : (high = (low + high) / 2);
-  return at(0)[2] * Math.max(closed[last], at((low + high) / 2)[0]);
+  const dead = at((low + high) / 2)[0];
+  return at(0)[2] * (dead > closed[last] ? dead : closed[last]); // the one that is a number
 };
 
 const inputs = (number, of = values => values) => Object.entries(given).map(([name, values]) => {
@@ -40,6 +41,8 @@ const inputs = (number, of = values => values) => Object.entries(given).map(([na
 const solve = (number, rows, by = line) => {
   for (const [name, stroke, run] of strokes) number[index[name]] = strokeEnd(number, stroke, run);
   by(number, inputs(number), rows, count);
+  const reach = rows.at(-1);
+  for (let n = 0; n < count; n++) if (!(reach[n] >= 0)) for (const row of rows) row[n] = NaN; // whatever the formulas give
   return rows;
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
@@ -78,7 +81,7 @@ const refined = (number, rows, of, best) => { // the largest near a sample, betw
     top = Math.max(top, sizes[k]);
     [low, high] = [places[Math.max(k - 1, 0)], places[Math.min(k + 1, FINER)]];
   }
-  return top;
+  return Number.isFinite(top) ? top : of(rows)(best); // next to a place without a pose
 };
 const asked = (one, rows, number) => { // SI, and the sample that is nearest; without the numbers of samples alone
   const of = rows => measured(one, rows), here = of(rows), sizes = rows[0].map((_, n) => here(n));

@@ -145,7 +145,7 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
             if slide.on == body.name:
                 _slot(group, drawing.per_metre * (drawing.way(slider) - first_point(body)).conj(), outline)
         if len(body.points) > 1:
-            _line(group, "bar" if len(body.points) == 2 else "plate", outline)
+            _line(group, "bar own" if len(body.points) == 2 else "plate own", outline)
         if body.slide is not None and (rod := drawing.rod(body.name)):
             _line(group, "bar", np.array([0j, -drawing.per_metre * rod * complex(*body.slide.along).conjugate()]))
         elif body.slide is not None:
