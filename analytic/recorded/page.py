@@ -5,9 +5,10 @@ from collections.abc import Set as AbstractSet
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from scenes import Scene
-from scenes.drive import Samples
+from scenes.arguments import finite_numbers
 from scenes.scene import PressForce
 
 from ..core.groups.group_equations import Group
@@ -20,15 +21,15 @@ FIXED = ("drive.start",)  # positions are counted from there
 
 
 def page_program(
-    scene: Scene, channels: AbstractSet[str] | None, position: Samples, time: Samples
+    scene: Scene, position: ArrayLike, time: ArrayLike | None = None, channels: AbstractSet[str] | None = None
 ) -> Mapping[str, Any] | None:
     """Return what a page needs to solve a scene by itself; None of one with a larger group, which takes iterations.
 
     Args:
         scene: the mechanism.
-        channels: as of `solve`.
         position: of the drive, rad or m, shape (n,).
-        time: the instants, s, shape (n,).
+        time: the instants, s, shape (n,), as of `solve`.
+        channels: as of `solve`.
 
     Returns:
         `numbers`, the paths of the numbers that stay open, and their `values`, SI; `channels`, by name; `line`, the
@@ -42,12 +43,12 @@ def page_program(
         InputError: as of `solver`.
     """
     core = solver(scene, channels)
+    instants, driven = driven_at(scene, finite_numbers("position", position), time)
     if any(isinstance(group, Group) for group in core.linkage.groups):
         return None
     program = recorded(scene, scene.numbers.keys() - FIXED, core.request.channels)
     line = script(program.rows)
-    _, driven = driven_at(scene, position, time)
-    given = {**core.given_at(position, time), **driven._asdict()}
+    given = {**core.given_at(driven.position, instants), **driven._asdict()}
     presses = {place: load for place, load in program.scene.elements if isinstance(load, PressForce)}
     sense = {place: traced(program.make, load.closing).x for place, load in presses.items()}
     ends = {place: script([*of, sense[place]])._asdict() for place, of in program.strokes.items()}
@@ -57,6 +58,6 @@ def page_program(
         "values": [float(values[name]) for name in line.numbers],
         "channels": [*program.channels],
         "line": line.text,
-        "given": {name: np.broadcast_to(given[name], position.shape) for name in line.given},
+        "given": {name: np.broadcast_to(given[name], instants.shape) for name in line.given},
         "strokes": ends,
     }

@@ -5,6 +5,7 @@ from math import inf, pi, remainder
 import numpy as np
 
 from scenes import Failure, Scene
+from scenes.arguments import scene_of
 from scenes.model.enclosures import MotionRange
 from scenes.model.motion import kinematic_channels
 
@@ -17,7 +18,7 @@ BESIDE = np.array([1e-9, 1e-6, 1e-4])  # of the way, before the end: the last of
 POSES = 145
 
 
-def stopped(scene: Scene, at: tuple[float, str] | None) -> MotionRange | None:
+def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | None:
     """Return how far a linkage goes and the poses on the way, back from where it stops.
 
     Args:
@@ -28,7 +29,7 @@ def stopped(scene: Scene, at: tuple[float, str] | None) -> MotionRange | None:
     Returns:
         None where it has no pose at all.
     """
-    start, (position, joint) = scene.drive.start, at or (scene.drive.start, "")
+    start, (position, joint) = scene_of(scene).drive.start, at or (scene.drive.start, "")
     try:
         linkage = followed(scene, decompose(scene))
         intervals = motion_range(scene, linkage)

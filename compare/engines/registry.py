@@ -158,7 +158,7 @@ def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
 
 def page_program(scene: Scene, position: Samples, time: Samples) -> Mapping[str, Any] | None:
     """Return the core's formulas as JavaScript, see `analytic.page_program`; None where they take iterations."""
-    return cast("Mapping[str, Any] | None", import_module("analytic").page_program(scene, None, position, time))
+    return cast("Mapping[str, Any] | None", import_module("analytic").page_program(scene, position, time))
 
 
 def stopped(scene: Scene, failure: Failure | None) -> MotionRange | None:

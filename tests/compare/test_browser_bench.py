@@ -54,7 +54,7 @@ def blank(browser: "Browser") -> "Iterator[Page]":
 def solved_in(page: "Page", scene: Scene, folder: Path, numbers: Samples) -> tuple[list[str], Samples]:
     """The channels, and what the page's program has for them and the reach, shape (edits, channels + 1, n)."""
     position, time = SAMPLING.commanded(scene), SAMPLING.times(scene)
-    program = page_program(scene, None, position, time)
+    program = page_program(scene, position, time)
     assert program is not None
     named = [{"path": path, "value": value} for path, value in zip(program["numbers"], program["values"], strict=True)]
     steady = type(scene.drive).__name__ == "ConstantSpeed"
@@ -88,7 +88,7 @@ def test_the_page_has_the_numbers_of_the_core(blank: "Page", name: str, tmp_path
     """To 1e-12 of each channel's peak; of the clamps, whose forces are differences of large ones, to 2e-12."""
     scene = load(name)
     position, time = SAMPLING.commanded(scene), SAMPLING.times(scene)
-    program = page_program(scene, None, position, time)
+    program = page_program(scene, position, time)
     assert program is not None
     channels, (rows,) = solved_in(blank, scene, tmp_path, np.array([program["values"]]))
     off = differences(channels, rows, analytic.solve(scene, position, time))
@@ -103,7 +103,7 @@ def test_the_page_has_the_numbers_of_the_core_after_edits(blank: "Page", tmp_pat
     for name in dyads():
         scene = load(name)
         position, time = SAMPLING.commanded(scene), SAMPLING.times(scene)
-        program = page_program(scene, None, position, time)
+        program = page_program(scene, position, time)
         assert program is not None
         own = [k for k, path in enumerate(program["numbers"]) if path in scene.numbers and "along" not in path]
         chosen = random.choice([k for k in own if program["values"][k]], 3, replace=False)
@@ -230,8 +230,12 @@ def test_all_can_be_undone(bench: "Page") -> None:
 
 def test_the_numbers_that_move_a_peak_most_have_the_longest_bars(undone: "Page") -> None:
     """By 1 % more of a length, against the core with that length."""
-    undone.locator("#bench [name=weighed]").select_option(label="Pin P1: ground on crank")
+    undone.locator("#bench .numbers").scroll_into_view_if_needed()
+    undone.wait_for_function("document.querySelector('#bench .weight span:not(:empty)')")  # of the first pin
     row = undone.locator("#bench .numbers tr", has=undone.locator('th:text-is("bodies.toggle.lengths.P2-P4")'))
+    of_another_pin = row.locator("span").inner_text()
+    undone.locator("#bench [name=weighed]").select_option(label="Pin P1: ground on crank")
+    row.locator("span").filter(has_not_text=of_another_pin).wait_for()
     shown = float(row.locator("span").inner_text().split()[0].replace("−", "-"))
     position = np.linspace(0, 2 * np.pi, 3601)
     core = analytic.solve_many(

@@ -29,10 +29,10 @@ def index_page(folder: Path) -> str:
 
 
 def _row(folder: Path, known: Summary) -> dict[str, Any]:
-    peaks = parted(known.peaks)[0]
+    title, peaks = one_line(str(known.scene["title"])), parted(known.peaks)[0]
     units = suited(known.scene["units"]["length"], ((peak.unit, peak.value) for peak in peaks))
     return {
-        "title": one_line(str(known.scene["title"])),
+        "title": title,
         "folder": folder.name,
         "link": quote(f"{folder.name}/report.html") if (folder / "report.html").is_file() else "",
         "stopped": not known.complete,
