@@ -70,7 +70,7 @@ const update = () => {
   force.disabled = magnify.disabled = isEdited;
   const open = [...rowsNow.at(-1).keys()].filter(n => !(rowsNow.at(-1)[n] >= 0));
   inTable(".open").textContent = open.length
-    ? `It does not assemble at ${open.length} of ${count} positions, from ${position(open[0])} to ${position(open.at(-1))}: there the nearest pose is drawn.` : "";
+    ? `The page finds no solution at ${open.length} of ${count} positions, from ${position(open[0])} to ${position(open.at(-1))}: the nearest pose is drawn.` : "";
   ways.forEach((path, k) => path.setAttribute("d", drawn(rows.map(n => at(bench.paths[k], n)))));
   reshape(now);
   show(now);

@@ -43,7 +43,7 @@ const ended = () => {
   });
   for (const { plot, low, high } of bands) plot.drawn?.band(low, high, rows.map(over));
   const limits = bench.limits.length ? ` ${met} of them, ${((100 * met) / every).toFixed(1)} %, meet all limits of the scene at every sample.` : "";
-  const none = lost ? ` ${lost} do not assemble everywhere.` : "";
+  const none = lost ? ` ${lost} have no solution somewhere.` : "";
   inTable(".machines").textContent = `${every} machines, as drawn by --monte-carlo ${every}.${none}${limits} In the plots near by the band that they fill.`;
 };
 const step = () => {
