@@ -142,10 +142,10 @@ const dragged = (point, goal, n) => {
       goal = along(goal, from, [u * Math.cos(turn) - v * Math.sin(turn), u * Math.sin(turn) + v * Math.cos(turn)]);
     } else if (move.local.length) {
       const [dx, dy] = [goal[0] - from[0], goal[1] - from[1]];
-      [c * dx + s * dy, c * dy - s * dx].forEach((d, q) => (edited[move.local[q]] += d));
+      [c * dx + s * dy, c * dy - s * dx].forEach((d, q) => move.local[q] >= 0 && (edited[move.local[q]] += d));
     } else {
-      if (move.driven) { // its drive leaves it only its length
-        const pivot = there(move.lengths[0][1], n), length = Math.hypot(from[0] - pivot[0], from[1] - pivot[1]);
+      if (move.pivot) { // its drive leaves it only its length
+        const pivot = there(move.pivot, n), length = Math.hypot(from[0] - pivot[0], from[1] - pivot[1]);
         goal = along(goal, pivot, [(from[0] - pivot[0]) / length, (from[1] - pivot[1]) / length]);
       }
       for (const [k, other] of move.lengths) {

@@ -57,15 +57,11 @@ class Bench:
         scene, values = self.scene, self.program["values"]
         kept = sorted({*np.linspace(0, len(self.rows) - 1, EXACT).round().astype(int).tolist()})
         samples = [self.study.motion[channel][self.rows[kept]] for channel in self.program["channels"]]
+        of = [scene.numbers.get(path) for path in self.program["numbers"]]  # None: where a stroke ends
         numbers = [
-            {
-                "path": path,
-                "value": value,
-                "size": scene.size(scene.numbers[path]) if path in scene.numbers else 1.0,
-                "free": path in scene.numbers,
-                "zero": path in scene.numbers and scene.numbers[path].quantity.zero,
-            }
-            for path, value in zip(self.program["numbers"], values, strict=True)
+            {"path": path, "value": value, "free": own is not None}
+            | ({"size": scene.size(own), "zero": own.quantity.zero} if own is not None else {})
+            for path, value, own in zip(self.program["numbers"], values, of, strict=True)
         ]
         several = (body.name for body in scene.bodies.values() if len(body.points) > 1)
         data = {
@@ -109,11 +105,12 @@ class Bench:
         for body in sorted(owners, key=lambda body: body.name != scene.drive.body):
             pairs = {other: f"bodies.{body.name}.lengths.{'-'.join(sorted((point, other)))}" for other in body.points}
             places = [f"bodies.{body.name}.points.{point}.{q}" for q in range(2)]
+            axis = body.points[:2] if body.name == scene.drive.body else ()  # whose angle is the drive's
             yield {
                 "body": body.name,
-                "driven": body.name == scene.drive.body,
+                "pivot": next((other for other in axis if other != point), "") if point in axis else "",
                 "lengths": [[at[path], other] for other, path in pairs.items() if path in at],
-                "local": [at[path] for path in places if path in at and len(body.points) > 1],
+                "local": [at.get(path, -1) for path in places] if places[0] in at and len(body.points) > 1 else [],
                 "slide": asdict(body.slide) if body.slide is not None else None,
             }
 
