@@ -164,10 +164,11 @@ def test_dragging_over_a_plot(report: "Page") -> None:
 
 
 def test_a_place_of_a_number_is_shown(report: "Page") -> None:
-    """An element with `data-at` goes to that pose and marks the joint."""
+    """An element with `data-at` goes to that pose and marks the joint; this one stands still."""
+    scrub(report, ROW)
     report.evaluate(
-        """document.body.insertAdjacentHTML('beforeend',
-        `<button id="go" data-at="${Math.PI}" data-channel="P3.fy">there</button>`)"""
+        """document.body.insertAdjacentHTML('beforeend', `<button id="go" data-at="${Math.PI}" data-channel="P3.fy"
+        style="position: fixed; top: 0; left: 0; z-index: 9">there</button>`)"""
     )
     report.locator("#go").click()
     assert report.locator("#linkage [type=range]").input_value() == "36"
