@@ -132,7 +132,8 @@ def test_paper_has_every_column(report: "Page") -> None:
         assert wanted in pages[0]
     assert "Motion and forces" not in pages[0]
     printed = re.sub(r"\s", "", "".join(pages))
-    headings = report.evaluate("[...document.querySelectorAll('th[scope=col]')].map(e => e.textContent)")
+    paper = "th[scope=col]:not(#bench *)"  # the page's own solution is for a screen
+    headings = report.evaluate(f"[...document.querySelectorAll('{paper}')].map(e => e.textContent)")
     assert len(headings) > 80
     assert [heading for heading in headings if re.sub(r"\s", "", normalize("NFKC", heading)) not in printed] == []
     report.set_viewport_size({"width": 1047, "height": 900})  # px of the longer side of A4 within its margins
