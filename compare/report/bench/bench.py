@@ -29,7 +29,7 @@ EXACT = 24  # samples of the run that are kept to the last digit, against which 
 
 
 @dataclass(frozen=True)
-class Asked:
+class DesignNumber:
     """A number that is asked of a design: the largest or least of some channels, or how far one goes."""
 
     name: str
@@ -150,7 +150,7 @@ class Bench:
                 yield {"channels": channels, "kind": kind, "least": limit.least, "most": limit.most}
 
     @cached_property
-    def asked(self) -> list[Asked]:
+    def asked(self) -> list[DesignNumber]:
         """What a design is asked for, of the channels that the page solves for."""
         return [*self._asked()]
 
@@ -164,25 +164,27 @@ class Bench:
                 least = "" if number.quantity.negative else 0
                 yield {"k": k, "path": path, "unit": self.scene.all_units[number.quantity.dimension][0], "least": least}
 
-    def _asked(self) -> Iterator[Asked]:
+    def _asked(self) -> Iterator[DesignNumber]:
         assert self.program is not None
         scene, named, known = self.scene, units(self.study.reference), set(self.program["channels"])
         pins = {f"{pin.channel}.force": f"Pin {pin.channel}: {pin.first} on {pin.second}" for pin in scene.pins}
         rates = {f"{scene.output}.{of}": f"{scene.output}: {of}" for of in ("speed", "acceleration")}
         vectors = {name: both for name, both in magnitudes(scene).items() if known.issuperset(both)}
         for name in [name for name in pins if name in vectors]:
-            yield Asked(pins[name], "largest", [*vectors[name]], *named["N"])
+            yield DesignNumber(pins[name], "largest", [*vectors[name]], *named["N"])
         singles = {f"{body}.guide_force": f"Guide on {body}: force" for body in scene.slides}
         singles |= {scene.effort_channel: f"Drive: {quantity(scene.effort_channel)}"}
         for channel, name in singles.items():
             if channel in known:
-                yield Asked(name, "largest", [channel], *named[UNITS[quantity(channel)]])
+                yield DesignNumber(name, "largest", [channel], *named[UNITS[quantity(channel)]])
         for name in [name for name in rates if name in vectors]:
-            yield Asked(rates[name], "largest", [*vectors[name]], *named[UNITS[quantity(vectors[name][0])]])
+            yield DesignNumber(rates[name], "largest", [*vectors[name]], *named[UNITS[quantity(vectors[name][0])]])
         guided = scene.guided(scene.output)
         along = (1.0, 0.0) if guided is None else guided[1].along
         output = [f"{scene.output}.{q}" for q in "xy"]
         if known.issuperset(output) and guided is not None and guided[1].on == GROUND:
-            yield Asked(f"{scene.output}: stroke", "range", output, *named["m"], (float(along[0]), float(along[1])))
+            yield DesignNumber(
+                f"{scene.output}: stroke", "range", output, *named["m"], (float(along[0]), float(along[1]))
+            )
         if angles := [channel for channel in self.program["channels"] if quantity(channel) == TRANSMISSION]:
-            yield Asked("Least transmission angle", "least", angles, 180 / np.pi, "°")
+            yield DesignNumber("Least transmission angle", "least", angles, 180 / np.pi, "°")
