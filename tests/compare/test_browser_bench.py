@@ -110,6 +110,34 @@ def test_a_design_that_does_not_assemble_keeps_the_nearest_pose(undone: "Page") 
     assert all(np.isfinite(pin(undone, point)) for point in ("P3", "P4", "P5"))
 
 
+def test_a_guide_goes_with_its_slider(undone: "Page") -> None:
+    """It is moved and lengthened: the block stays in its middle, and reaches both ends over a turn."""
+    guide = undone.locator("#linkage [data-guides=P5]")
+
+    def box() -> list[float]:
+        found = guide.evaluate(
+            "g => { const b = g.getBoundingClientRect(), s = g.ownerSVGElement.getBoundingClientRect();"
+            " return [b.x, b.y - s.y, b.width, b.height]; }"
+        )
+        return [float(number) for number in found]
+
+    before, slider = box(), pin(undone, "P5")
+    typed(undone, "bodies.slider.slides.through.0", 120)
+    typed(undone, "bodies.crank.points.P2.0", 90)  # a longer stroke
+    moved, x = box(), pin(undone, "P5").real
+    assert x > slider.real + 10
+    assert abs((moved[0] + moved[2] / 2 - x) - (before[0] + before[2] / 2 - slider.real)) < 0.2
+    assert moved[3] > 1.1 * before[3]
+    top, ends = undone.locator("#linkage svg").bounding_box() or {}, []
+    for sample in range(0, 361, 5):
+        undone.locator("#linkage [type=range]").fill(str(sample))
+        ends.append(pin(undone, "P5").imag - top["y"])
+    assert moved[1] < min(ends) < moved[1] + 0.3 * moved[3]
+    assert moved[1] + 0.7 * moved[3] < max(ends) < moved[1] + moved[3]
+    undone.locator(".undo").click()
+    assert np.allclose(box(), before, atol=0.1)
+
+
 def test_all_can_be_undone(bench: "Page") -> None:
     before = bench.locator("#linkage svg").inner_html()
     typed(bench, "bodies.rod.lengths.P4-P5", 330)

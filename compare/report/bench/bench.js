@@ -44,6 +44,17 @@ const reshape = n => { // bodies in their own frames, and as they were
 };
 followers.push(n => isEdited && reshape(n));
 
+const guides = [...svg.querySelectorAll("[data-guides]")].map(guide => { // on the ground, along the way gone on them
+  const { a, b } = guide.transform.baseVal.consolidate().matrix, point = guide.dataset.guides;
+  const along = n => at(point, n).reduce((x, y) => a * x + b * y);
+  const way = () => rows.map(along).reduce(([low, high], s) => [Math.min(low, s), Math.max(high, s)], [Infinity, -Infinity]);
+  const [low, high] = way();
+  return () => {
+    const [first, last] = way(), [x, y] = at(point, now), back = first - along(now), longer = (last - first) / (high - low);
+    guide.setAttribute("transform", `matrix(${a * longer} ${b * longer} ${-b} ${a} ${x + back * a} ${y + back * b})`);
+  };
+});
+
 // --- numbers in, numbers out -----------------------------------------------------------------------------------------
 
 const rowsIn = inTable(".numbers tbody").rows, rowsOut = inTable(".asked tbody").rows;
@@ -71,6 +82,7 @@ const update = () => {
   const open = [...rowsNow.at(-1).keys()].filter(n => !(rowsNow.at(-1)[n] >= 0));
   inTable(".open").textContent = open.length
     ? `The page finds no solution at ${open.length} of ${count} positions, from ${position(open[0])} to ${position(open.at(-1))}: the nearest pose is drawn.` : "";
+  guides.forEach(lay => lay());
   ways.forEach((path, k) => path.setAttribute("d", drawn(rows.map(n => at(bench.paths[k], n)))));
   reshape(now);
   show(now);

@@ -11,6 +11,7 @@ const parted = bytes => {
 await new Promise(painted => requestAnimationFrame(() => setTimeout(painted))); // the page comes first
 const [head, buffer] = parted(new Uint8Array(await inflated("motion").arrayBuffer()));
 const { count, channels, panels, engines, axis, effort } = head;
+await pause();
 
 // --- numbers: the reference's are kept as second differences, an engine's as what they are off the reference's -------
 
@@ -175,6 +176,8 @@ const show = n => {
   plots.forEach(plot => plot.show(n));
   followers.forEach(follow => follow(n));
 };
+
+await pause();
 
 // --- one cursor through all plots ------------------------------------------------------------------------------------
 

@@ -120,7 +120,7 @@ def background(root: Element, drawing: Drawing) -> None:
         _line(root, "path", path[extremes(path.real, path.imag, PATH)])
     for name, slide in scene.slides.items():
         if slide.on == GROUND:
-            _guide(root, drawing.units(drawing.way(name)))
+            _guide(root, drawing.units(drawing.way(name)), scene.bodies[name].points[0])
     ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
     for points in outlines(drawing):
         shown = np.array([scene.drawn[point] for point in points if point in scene.drawn], np.complex128)
@@ -257,9 +257,10 @@ def _along(root: Element, ends: Vectors) -> tuple[Element, float]:
     return SubElement(root, "g", {"transform": place}), abs(way)
 
 
-def _guide(root: Element, ends: Vectors) -> None:
-    """Draw a guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
+def _guide(root: Element, ends: Vectors, point: str) -> None:
+    """Draw a point's guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
     group, length = _along(root, ends)
+    group.set("data-guides", point)
     start, end, aside = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, 0.7 * HATCH * PX
     _path(group, "across guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
     places = np.arange(start, end, HATCH * PX)
