@@ -45,7 +45,7 @@ const ticks = (lo, hi, most, { tickvals, ticktext, type, dtick }) => {
   const within = places => places.filter(([v]) => v >= lo && v <= hi);
   if (tickvals) return within(tickvals.map((v, k) => [v, ticktext[k]]));
   if (type !== "log") return even(lo, hi, most, dtick);
-  const whole = even(lo, hi, most, dtick ?? 1).filter(([n]) => Number.isInteger(n)).map(([n]) => [n, power(n)]);
+  const whole = even(lo, hi, Math.max(most, 3), dtick ?? 1).filter(([n]) => Number.isInteger(n)).map(([n]) => [n, power(n)]);
   const inScale = (v, text = tidy(v)) => [Math.log10(v), text];
   const tens = [0, 1, 2, 3].map(k => 10 ** (k + Math.floor(lo)));
   const between = within(tens.flatMap(ten => [inScale(ten), inScale(2 * ten), inScale(5 * ten)]));

@@ -1,7 +1,7 @@
 // Draws figures, which are data in plotly's names, by uPlot, one of it a panel: legend, buttons and read-out are the
 // figure's. All scales are linear: of a logarithmic axis in its exponents. Other scripts have a figure as `place.plot`.
 
-// px: a column, at least; between columns; the numbers along an axis; from where on a drag is along both axes.
+// px: a column without its texts, at least; between columns; the numbers along an axis; from where on a drag is along both axes.
 const NARROW = 150, GAP = 14, TEXTS = 52, WIDE = 24;
 
 class Chart {
@@ -69,8 +69,9 @@ class Chart {
 
   *columns(width) { // yield each panel with its width and its column
     const most = new Set(this.panels.map(({ x }) => x.domain[0])).size;
-    const columns = Math.max(1, Math.min(most, Math.floor(width / NARROW)));
-    const more = this.panels.some(({ y }) => y.matches) && columns > 1 ? TEXTS + 12 : 0;
+    const shared = this.panels.some(({ y }) => y.matches); // the texts of the first column
+    const columns = Math.max(1, Math.min(most, Math.floor(width / (NARROW + (shared ? 0 : TEXTS)))));
+    const more = shared && columns > 1 ? TEXTS + 12 : 0;
     const each = Math.floor((width - more - GAP * (columns - 1)) / columns);
     for (const [k, panel] of this.panels.entries()) yield [panel, k % columns ? each : each + more, k % columns];
   }
