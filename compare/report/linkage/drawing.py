@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import floor, log10
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +37,23 @@ class Arrow:
     aside: Vectors | float = 0.0  # m, from the pin to the force's line, by that moment
 
 
+class Push(NamedTuple):
+    """A force along a guide, or across it, on the body that slides there."""
+
+    slider: str
+    channel: str
+    name: str
+    way: complex  # its positive direction, by the guide's own: along it 1, turned by +90 degrees 1j
+
+
+def pushes(scene: Scene) -> Iterator[Push]:
+    """Yield what guides do on their sliders, and the drive on a driven one."""
+    for name in scene.slides:
+        yield Push(name, f"{name}.guide_force", f"guide on {name}", 1j)
+        if name == scene.drive.body:
+            yield Push(name, "drive.force", f"drive on {name}", 1.0)
+
+
 def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     """Yield the forces of pins, guides and a driven slider's drive that a motion has, and loads; none without masses.
 
@@ -53,14 +71,9 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
             if moment in rubbing and moment in motion:
                 line = moment, -1j * motion[moment] / np.where(R == 0, 1.0, R.conj())
             yield Arrow(f"{pin.channel}: {pin.first} on {pin.second}", pin.point, R, components, False, *line)
-    for body in (scene.bodies[name] for name in scene.slides):
-        along = state.along(body)
-        pushes = [(f"{body.name}.guide_force", 1j * along, f"guide on {body.name}")]
-        if body.name == scene.drive.body:
-            pushes.append(("drive.force", along, f"drive on {body.name}"))
-        for channel, direction, name in pushes:
-            if channel in motion:
-                yield Arrow(name, body.points[0], motion[channel] * direction, (f"{name} x", f"{name} y"))
+    for push in (push for push in pushes(scene) if push.channel in motion):
+        body, components = scene.bodies[push.slider], (f"{push.name} x", f"{push.name} y")
+        yield Arrow(push.name, body.points[0], motion[push.channel] * (push.way * state.along(body)), components)
     state = state.pressed(state.stroke_ends())
     for body in scene.bodies.values():
         own = [load for load in scene.loads if load.body == body.name and not isinstance(load, Moment)]
