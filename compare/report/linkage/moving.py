@@ -10,16 +10,15 @@ from xml.etree.ElementTree import tostring
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Motion
+from scenes import Motion, Scene
 from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
 from ...judge.errors import Comparison
 from ...mechanics.axis import axis
 from ...study import Study
-from ..figures.before import BEFORE, at_positions
 from ..figures.curves import Panel, error
-from ..figures.style import DARK_GREY, GREY, colour
+from ..figures.style import BEFORE, DARK_GREY, GREY, colour
 from ..numbers import units
 from ..output.earlier import Before
 from ..pages.html import packed
@@ -43,6 +42,15 @@ class PolarVector:
     channels: Sequence[str]  # its x and y
     factor: float
     unit: str
+
+
+def at_positions(scene: Scene, motion: Motion, later: Motion) -> Motion:
+    """An earlier motion where a later one has samples, straight between its own; NaN beyond its ends."""
+    over = axis(scene).channel
+    order = np.argsort(motion[over])
+    earlier = {channel: values[order] for channel, values in motion.samples.items()}
+    at = {channel: np.interp(later[over], earlier[over], values, np.nan, np.nan) for channel, values in earlier.items()}
+    return Motion(at | {"time": later["time"]})
 
 
 class MovingPicture:

@@ -9,8 +9,7 @@ from ...engines import registry
 from ...measure.many.family import Family
 from ...measure.many.study import MonteCarlo
 from ...mechanics.axis import axis
-from ..figures.many import MOST_LINES, curves, drawn, histograms, variance_shares
-from ..figures.over_number import over_number
+from ..figures.many import MOST_LINES, curves, drawn, histograms, over_number, variance_shares
 from ..linkage.drawing import Drawing
 from ..linkage.svg import by_itself
 from ..numbers import units

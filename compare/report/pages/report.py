@@ -13,8 +13,7 @@ from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
 from ..bench.bench import Bench
-from ..figures.before import draw_before
-from ..figures.curves import assur_groups, chosen, friction, over_angle, over_distance
+from ..figures.curves import assur_groups, chosen, draw_before, friction, over_angle, over_distance
 from ..figures.figure import Attributes, Figure, affordable
 from ..figures.speed import work_precision
 from ..figures.style import FLOOR, ROUND_OFF
