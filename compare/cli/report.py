@@ -165,7 +165,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     from ..measure.many.family import Asked, Family
     from ..measure.many.going_on import going_on, kept_members
     from ..report.output import files as output
-    from ..report.tables.family import agreement, label, on_a_line
+    from ..report.tables.family import label, on_a_line, verdict
     from ..study import judged
 
     def progress(doing: str) -> None:
@@ -188,8 +188,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     family.members.sort(key=lambda member: changes.index(member.changes))
     progress("writing the report")
     page = output.write_family(family, options.out) / "family.html"
-    verdict = agreement(family)
-    print(f"{scene.name}  {verdict.word}: {verdict.sentence}")
+    print(f"{scene.name}  {verdict(family)}")
     if family.complete:
         kept.forget()
     if kept.trouble:

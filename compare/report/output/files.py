@@ -134,7 +134,7 @@ def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
 
 def write_assemblies(scene: Scene, every: Assemblies, folder: Path) -> Path:
     """Write `assemblies.html` and `assemblies.json` beside a scene's report, and return the folder."""
-    from ..pages.assemblies import assemblies_page  # late, as what is of families
+    from ..pages.many import assemblies_page  # late, as what is of families
 
     with placed(folder, scene.name, ASSEMBLIES) as aside:
         known = {"complete": every.complete, "position": every.position, "assemblies": every.found}
