@@ -65,7 +65,6 @@ class CheckResult(Study):
         return offline(over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,))))
 
     def __repr__(self) -> str:
-        """The result in a sentence or two."""
         return f"{self.scene.name}: {tables.verdict(self)}"
 
     def _repr_html_(self) -> str:
@@ -88,7 +87,6 @@ class Varied(Family):
         return offline(curves(self))
 
     def __repr__(self) -> str:
-        """The family in a sentence or two."""
         return f"{self.scene.name}: {family_tables.verdict(self)}"
 
     def _repr_html_(self) -> str:

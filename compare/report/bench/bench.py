@@ -64,7 +64,6 @@ class Bench:
             | ({"size": scene.size(own), "zero": own.quantity.zero} if own is not None else {})
             for path, value, own in zip(self.program["numbers"], values, of, strict=True)
         ]
-        several = (body.name for body in scene.bodies.values() if len(body.points) > 1)
         data = {
             **self.program,
             "numbers": numbers,
@@ -75,7 +74,7 @@ class Bench:
             "steady": isinstance(scene.drive, ConstantSpeed),
             "points": {point: [*self._moves(point)] for point in scene.owners},
             "pushes": [*self._pushes()],
-            "shapes": dict(zip(several, outlines(self.moving.drawing), strict=True)),
+            "shapes": outlines(self.moving.drawing),
             "asked": self.asked,
             "machines": self._machines(),
             "limits": [*self._limits()],

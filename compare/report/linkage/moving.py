@@ -132,7 +132,7 @@ class MovingPicture:
         scene, drawing = self.study.scene, self.drawing
         over, named = axis(scene), units(self.study.reference)
         first = {body.name: body.points[0] for body in scene.bodies.values()}
-        numbers = {m.run.engine: number for number, m in enumerate(self.study.measurements)}  # reference: not always
+        colours = {BEFORE: GREY} | {m.run.engine: colour(number) for number, m in enumerate(self.study.measurements)}
         kept = ("name", "point", "load", "components", "moment")
         efforts = ((channel, named[UNITS[quantity(channel)]]) for channel in self._effort)
         return {
@@ -143,9 +143,8 @@ class MovingPicture:
             "compared": len(self._compared),
             "engines": self.names,
             "colours": [
-                colour(numbers[name]) if name in numbers else GREY if name == BEFORE else DARK_GREY
-                for name in self.names
-            ],
+                colours.get(name, DARK_GREY) for name in self.names
+            ],  # of a reference that was not asked for too
             "before": {"number": self.names.index(BEFORE), "ground": self._ground} if BEFORE in self.names else None,
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
@@ -156,7 +155,7 @@ class MovingPicture:
             "ground": dict(scene.ground),
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
             "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
-            "outlines": outlines(drawing),
+            "outlines": [*outlines(drawing).values()],
             "vectors": [asdict(vector) for vector in self.vectors],
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }

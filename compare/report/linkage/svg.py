@@ -127,14 +127,14 @@ def background(root: Element, drawing: Drawing) -> None:
         if slide.on == GROUND:
             _guide(root, drawing.units(drawing.way(name)))
     ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
-    for points in outlines(drawing):
+    for points in outlines(drawing).values():
         shown = np.array([scene.drawn[point] for point in points if point in scene.drawn], np.complex128)
         line(ghost, "sketch", drawing.units(shown))
 
 
-def outlines(drawing: Drawing) -> list[tuple[str, ...]]:
-    """The points around each body; one of more than two comes back to the first."""
-    return [_around(drawing, body) for body in drawing.scene.bodies.values() if len(body.points) > 1]
+def outlines(drawing: Drawing) -> dict[str, tuple[str, ...]]:
+    """The points around each body that has several, by its name; of more than two they come back to the first."""
+    return {name: _around(drawing, body) for name, body in drawing.scene.bodies.items() if len(body.points) > 1}
 
 
 def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
@@ -189,7 +189,7 @@ def turning(root: Element, drawing: Drawing) -> Iterator[Mover]:
 
 def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
     """Draw every point as a pin with its name, upright, and a fixed one on hatched ground."""
-    around = outlines(drawing)
+    around = outlines(drawing).values()
     for point in drawing.scene.owners:
         group = SubElement(root, "g", {"data-point": point})
         if point in drawing.scene.ground:
