@@ -115,10 +115,10 @@ class Bench:
 
     def _pushes(self) -> Iterator[Mapping[str, Any]]:
         """Yield what the arrows at guides are of: a channel, along the guide or across it, on the ground or a body."""
-        for push in pushes(self.scene):
-            slide = self.scene.slides[push.slider]
-            way, names = push.way * complex(*slide.along), [f"{push.name} {q}" for q in "xy"]
-            yield {"channel": push.channel, "on": slide.on, "way": [way.real, way.imag], "names": names}
+        for slider, channel, name, direction in pushes(self.scene):
+            slide = self.scene.slides[slider]
+            way, names = direction * complex(*slide.along), [f"{name} {q}" for q in "xy"]
+            yield {"channel": channel, "on": slide.on, "way": [way.real, way.imag], "names": names}
 
     def _machines(self) -> Mapping[str, Any]:
         """The numbers that vary from machine to machine, and by how much those of the drawn machines are off, SI."""

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import floor, log10
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,21 +36,12 @@ class Arrow:
     aside: Vectors | float = 0.0  # m, from the pin to the force's line, by that moment
 
 
-class Push(NamedTuple):
-    """A force along a guide, or across it, on the body that slides there."""
-
-    slider: str
-    channel: str
-    name: str
-    way: complex  # its positive direction, by the guide's own: along it 1, turned by +90 degrees 1j
-
-
-def pushes(scene: Scene) -> Iterator[Push]:
-    """Yield what guides do on their sliders, and the drive on a driven one."""
-    for name in scene.slides:
-        yield Push(name, f"{name}.guide_force", f"guide on {name}", 1j)
-        if name == scene.drive.body:
-            yield Push(name, "drive.force", f"drive on {name}", 1.0)
+def pushes(scene: Scene) -> Iterator[tuple[str, str, str, complex]]:
+    """Yield what acts along guides and across: slider, channel, name, and direction, 1 along the guide, 1j across."""
+    for slider in scene.slides:
+        yield slider, f"{slider}.guide_force", f"guide on {slider}", 1j
+        if slider == scene.drive.body:
+            yield slider, "drive.force", f"drive on {slider}", 1.0
 
 
 def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
@@ -71,9 +61,10 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
             if moment in rubbing and moment in motion:
                 line = moment, -1j * motion[moment] / np.where(R == 0, 1.0, R.conj())
             yield Arrow(f"{pin.channel}: {pin.first} on {pin.second}", pin.point, R, components, False, *line)
-    for push in (push for push in pushes(scene) if push.channel in motion):
-        body, components = scene.bodies[push.slider], (f"{push.name} x", f"{push.name} y")
-        yield Arrow(push.name, body.points[0], motion[push.channel] * (push.way * state.along(body)), components)
+    for slider, channel, name, way in pushes(scene):
+        if channel in motion:
+            body, components = scene.bodies[slider], (f"{name} x", f"{name} y")
+            yield Arrow(name, body.points[0], motion[channel] * (way * state.along(body)), components)
     state = state.pressed(state.stroke_ends())
     for body in scene.bodies.values():
         own = [load for load in scene.loads if load.body == body.name and not isinstance(load, Moment)]

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cached_property
 from typing import Any
 from xml.etree.ElementTree import tostring
@@ -30,18 +30,6 @@ NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
-
-
-@dataclass(frozen=True)
-class PolarVector:
-    """A vector over a cycle, for a polar diagram."""
-
-    name: str
-    at: str  # the point of a pin
-    bodies: Sequence[str]  # the one that acts and the other
-    channels: Sequence[str]  # its x and y
-    factor: float
-    unit: str
 
 
 def at_positions(scene: Scene, motion: Motion, later: Motion) -> Motion:
@@ -156,23 +144,22 @@ class MovingPicture:
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
             "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
             "outlines": [*outlines(drawing).values()],
-            "vectors": [asdict(vector) for vector in self.vectors],
+            "vectors": self.vectors,
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
 
     @cached_property
-    def vectors(self) -> list[PolarVector]:
+    def vectors(self) -> list[dict[str, Any]]:
         """What a polar diagram can be drawn of: the forces of pins, and the output's velocity, its hodograph."""
-        scene, named = self.study.scene, units(self.study.reference)
-
-        def vector(name: str, stem: str, unit: str, at: str = "", bodies: Sequence[str] = ()) -> PolarVector:
-            return PolarVector(name, at, bodies, [f"{stem}{q}" for q in "xy"], *named[unit])
-
-        forces = (
-            vector(f"force at pin {p.channel}", f"{p.channel}.f", "N", p.point, (p.first, p.second)) for p in scene.pins
-        )
-        drawn = [*forces, vector(f"velocity of {scene.output}", f"{scene.output}.v", "m/s")]
-        return [vector for vector in drawn if {*vector.channels} <= {*self._channels}]
+        scene, named, vectors = self.study.scene, units(self.study.reference), list[dict[str, Any]]()
+        drawn = [(f"force at pin {p.channel}", f"{p.channel}.f", p.point, [p.first, p.second]) for p in scene.pins]
+        for name, stem, pin, bodies in (*drawn, (f"velocity of {scene.output}", f"{scene.output}.v", "", [])):
+            channels = [f"{stem}{q}" for q in "xy"]
+            factor, unit = named[UNITS[quantity(channels[0])]]
+            if {*channels} <= {*self._channels}:
+                vector = {"name": name, "at": pin, "bodies": bodies, "channels": channels}
+                vectors.append(vector | {"factor": factor, "unit": unit})
+        return vectors
 
     @property
     def magnified(self) -> Iterator[tuple[float, str]]:
