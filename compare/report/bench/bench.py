@@ -147,9 +147,11 @@ class Bench:
         names |= {f"{body}.guide_force": f"Guide on {body}: force" for body in scene.slides}
         names |= {scene.effort_channel: f"Drive: {quantity(scene.effort_channel)}"}
         names |= {f"{scene.output}.{rate}": f"{scene.output}: {rate}" for rate in ("speed", "acceleration")}
-        of = {of: channels_of(scene, of, known) for of in names}
-        largest = [(names[one], own, UNITS[quantity(one)]) for one, own in of.items() if {*own} <= {*known}]
-        asked = [DesignNumber(name, "largest", own, *named[unit]) for name, own, unit in largest]
+        asked = list[DesignNumber]()
+        for one, name in names.items():
+            channels = channels_of(scene, one, known)
+            if {*channels} <= {*known}:
+                asked.append(DesignNumber(name, "largest", channels, *named[UNITS[quantity(one)]]))
         guided, output = scene.guided(scene.output), [f"{scene.output}.{q}" for q in "xy"]
         if guided is not None and {*output} <= {*known}:
             asked.append(DesignNumber(f"{scene.output}: stroke", "range", output, *named["m"], guided[1].along))

@@ -72,8 +72,8 @@ def over_number(family: Family) -> Figure:
             own = [(values[0], numbers) for values, numbers in known if values[1:] == rest]
             y = [factor * numbers[kind].value if kind in numbers else np.nan for _, numbers in own]
             x, line = np.array([value for value, _ in own]), {"color": colour(number)}
-            label = ", ".join(f"{name} = {value:.6g}" for name, value in zip(others, rest, strict=True)) or "members"
-            draw(figure, label, x, np.array(y), panel, mode="lines+markers", line=line)
+            alike = ", ".join(f"{name} = {value:.6g}" for name, value in zip(others, rest, strict=True)) or "members"
+            draw(figure, alike, x, np.array(y), panel, mode="lines+markers", line=line)
         figure.update_yaxes(title=f"[{unit}]", panel=panel)
     figure.update_xaxes(title=first)
     return figure.update_layout(layout(60 + 300 * -(-len(kinds) // 2), titled=True) | {"legend": LEGEND_BESIDE})

@@ -130,9 +130,7 @@ class MovingPicture:
             "channels": self._channels,
             "compared": len(self._compared),
             "engines": self.names,
-            "colours": [
-                colours.get(name, DARK_GREY) for name in self.names
-            ],  # of a reference that was not asked for too
+            "colours": [colours.get(name, DARK_GREY) for name in self.names],
             "before": {"number": self.names.index(BEFORE), "ground": self._ground} if BEFORE in self.names else None,
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,

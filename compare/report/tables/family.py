@@ -151,7 +151,7 @@ def agreement(family: Family) -> Agreement:
 
 
 def verdict(family: Family) -> str:
-    """The same in a word and a sentence."""
+    """Whether the models agree, in a word and a sentence."""
     agreed = agreement(family)
     return f"{agreed.word}: {agreed.sentence}"
 
