@@ -124,12 +124,9 @@ class Bench:
         """The numbers that vary from machine to machine, and by how much those of the drawn machines are off, SI."""
         scene = self.scene
         drawn = draws(scene, SEED, 0, MACHINES) if scene.variations else {}
-        off = {at_path(scene, path): values for path, values in drawn.items()}
-        sizes = {path: scene.size(scene.numbers[path]) for path in off}
-        return {
-            "numbers": [self._places[path] for path in off],
-            "off": [values * sizes[path] - scene.numbers[path].value for path, values in off.items()],
-        }
+        numbers = [scene.numbers[at_path(scene, path)] for path in drawn]
+        off = [own * scene.size(number) - number.value for number, own in zip(numbers, drawn.values(), strict=True)]
+        return {"numbers": [self._places[number.path] for number in numbers], "off": off}
 
     def _limits(self) -> Iterator[Mapping[str, Any]]:
         """Yield the scene's limits with the channels that each is of."""
