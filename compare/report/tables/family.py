@@ -150,12 +150,6 @@ def agreement(family: Family) -> Agreement:
     return Agreement(word, f"{_ran(family)} {which}: {worst.sentence}")
 
 
-def verdict(family: Family) -> str:
-    """Whether the models agree, in a word and a sentence."""
-    agreed = agreement(family)
-    return f"{agreed.word}: {agreed.sentence}"
-
-
 def failures(family: Family) -> list[str]:
     """Which members cannot run, and why."""
     return [f"{label(family, m)}: {m.status}: {m.reason}" for m in family.members if m.cycle is None]
