@@ -104,9 +104,8 @@ def print_result(result: "Study") -> None:
     from ..judge.errors import shown_groups
     from ..report.tables import speed as speed_tables
     from ..report.tables.proof import sentences
-    from ..report.tables.study import verdict
 
-    for sentence in (verdict(result), *sentences(result)):
+    for sentence in (result.agreement, *sentences(result)):
         print(f"{result.scene.name}  {sentence}")
     for m in result.measurements:
         worst = {group: m.worst().get(group, nan) for group in shown_groups(result.scene)}
@@ -188,8 +187,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     family.members.sort(key=lambda member: changes.index(member.changes))
     progress("writing the report")
     page = output.write_family(family, options.out) / "family.html"
-    verdict = agreement(family)
-    print(f"{scene.name}  {verdict.word}: {verdict.sentence}")
+    print(f"{scene.name}  {agreement(family)}")
     if family.complete:
         kept.forget()
     if kept.trouble:

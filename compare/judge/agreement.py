@@ -56,6 +56,9 @@ class Agreement:
     word: Word
     sentence: str
 
+    def __str__(self) -> str:
+        return f"{self.word}: {self.sentence}"
+
 
 class WorstError(NamedTuple):
     """The largest error of an engine over all channels."""

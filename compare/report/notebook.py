@@ -65,8 +65,7 @@ class CheckResult(Study):
         return offline(over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,))))
 
     def __repr__(self) -> str:
-        """The result in a sentence or two."""
-        return f"{self.scene.name}: {tables.verdict(self)}"
+        return f"{self.scene.name}: {self.agreement}"
 
     def _repr_html_(self) -> str:
         from .tables.first_screen import answers
@@ -74,7 +73,7 @@ class CheckResult(Study):
         untimed = pd.DataFrame(tables.overview(self, timed=False))
         whole, _ = answers(self.scene, self.peaks, units(self.reference))
         designer = pd.DataFrame([answer.cells for answer in whole], columns=COLUMNS)
-        return _html(self.scene.title, tables.verdict(self), [designer, untimed], self.missed, self.svg())
+        return _html(self.scene.title, str(self.agreement), [designer, untimed], self.missed, self.svg())
 
 
 class Varied(Family):
@@ -88,15 +87,14 @@ class Varied(Family):
         return offline(curves(self))
 
     def __repr__(self) -> str:
-        """The family in a sentence or two."""
-        return f"{self.scene.name}: {family_tables.verdict(self)}"
+        return f"{self.scene.name}: {family_tables.agreement(self)}"
 
     def _repr_html_(self) -> str:
         shown = pd.DataFrame(family_tables.overview(self))
         name = "displacement" if self.scene.guided(self.scene.output) else "x"
         cycles = (member.cycle for member in self.members)
         shown[f"{self.scene.output}: {name}"] = [sparkline(cycle.curves[name]) if cycle else "" for cycle in cycles]
-        return _html(self.scene.title, family_tables.verdict(self), [shown], family_tables.failures(self))
+        return _html(self.scene.title, str(family_tables.agreement(self)), [shown], family_tables.failures(self))
 
 
 def _html(title: str, sentence: str, shown: Iterable[pd.DataFrame], more: Iterable[str], picture: str = "") -> str:

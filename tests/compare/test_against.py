@@ -10,7 +10,7 @@ import pytest
 
 import analytic
 from compare.judge.peaks.peaks import Peak
-from compare.report.figures.before import at_positions
+from compare.report.linkage.moving import at_positions
 from compare.report.output.earlier import SummaryPeak, before, summary_of
 from compare.report.tables.first_screen import answers
 from compare.run import main

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scenes import Motion, Request
+from scenes import Motion, Request, Scene
 from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
@@ -18,7 +18,7 @@ from ..numbers import units
 from ..tables.friction import frictionless, losses
 from . import style
 from .figure import Figure, draw, side_by_side, stacked
-from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, drive_axes, layout, marker
+from .style import BEFORE, BOUND, DARK_GREY, DASHES, FLOOR, GREY, LOG, colour, drive_axes, layout, marker
 
 MARKERS = 36  # per cycle, shared out between the engines
 FIGURES = 24  # of panels, at most
@@ -146,6 +146,14 @@ def over_angle(study: Study, panel: Panel) -> Figure:
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, panel=2)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
     return figure.update_layout(layout(480))
+
+
+def draw_before(figure: Figure, scene: Scene, panel: Panel, motion: Motion) -> None:
+    """Draw the curves of a panel that the motion of an earlier run has, over the same axis, dashed."""
+    over, line = axis(scene), {"color": GREY, "dash": "dash", "width": 1.5}
+    for curve in panel.curves:
+        if {*curve.factors, over.channel} <= motion.samples.keys():
+            draw(figure, BEFORE, over.of(motion), curve.of(motion), line=line)
 
 
 def assur_groups(study: Study) -> Figure | None:

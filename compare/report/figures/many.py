@@ -1,15 +1,16 @@
-"""Pictures of many linkages: a family's curves over one cycle; how numbers are distributed over machines, and why."""
+"""Pictures of many linkages: a family's curves and numbers; how numbers are distributed over machines, and why."""
 
 from collections.abc import Iterator
 from math import ceil, pi, sqrt
 
 import numpy as np
 
+from ...judge.peaks.numbers import STROKE
 from ...measure.many.family import Cycle, Family, Member
 from ...measure.many.study import MonteCarlo
 from ...mechanics.axis import axis, prefixed
 from ..numbers import capital
-from ..tables.family import label, names
+from ..tables.family import EFFORTS, label, names
 from ..tables.monte_carlo import moving, shown_units
 from .figure import Figure, draw, grid
 from .style import DARK_GREY, DASHES, LEGEND_BESIDE, categories, colour, drive_axes, graded, layout
@@ -17,18 +18,19 @@ from .style import DARK_GREY, DASHES, LEGEND_BESIDE, categories, colour, drive_a
 MOST_LINES = 25
 STRIDE = 10  # samples of the cycle to a point of a line
 CURVES = {"displacement": "m", "x": "m", "y": "m", "velocity": "m/s", "acceleration": "m/s^2"}  # SI units by name
-EFFORTS = {"torque": "N*m", "force": "N"}  # of the drive
+OF_THE_DRIVE = {"torque": "N*m", "force": "N"}
 COLUMNS, BINS = 3, 60  # bins at most
 SPAN = 4.5  # standard deviations on either side of the drawing's number
+SHOWN = (STROKE, "largest force", *EFFORTS)  # kinds of numbers that a family is run for
 SHADES = 5  # colours before they are taken again, paler
 
 
 def curves(family: Family) -> Figure:
     """Draw the output's displacement, velocity and acceleration, and the drive's effort, over the drive's position."""
     shown = list(drawn(family))
-    units = {name: unit for name, unit in (CURVES | EFFORTS).items() if name in shown[0][1].curves}
+    units = {name: unit for name, unit in (CURVES | OF_THE_DRIVE).items() if name in shown[0][1].curves}
     over = axis(family.scene)
-    figure = grid([f"{'Drive' if name in EFFORTS else family.scene.output}: {name}" for name in units], 2)
+    figure = grid([f"{'Drive' if name in OF_THE_DRIVE else family.scene.output}: {name}" for name in units], 2)
     for number, (name, si) in enumerate(units.items(), start=1):
         factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in shown), si)
         for member, cycle in shown:
@@ -55,6 +57,26 @@ def _line(family: Family, member: Member) -> dict[str, object]:
     share = (value - min(first)) / ((max(first) - min(first)) or 1.0)
     dash = DASHES[sorted(set(others[0])).index(rest[0]) % len(DASHES)] if rest else DASHES[0]
     return {"color": graded(0.25 + 0.6 * share), "dash": dash, "width": 1.5}  # its ends are seen on one ground alone
+
+
+def over_number(family: Family) -> Figure:
+    """Draw a panel a number over the first that varies, a line for each value of the others; a gap where none runs."""
+    known = [(tuple(m.changes.values()), m.cycle.numbers if m.cycle else {}) for m in family.members]
+    kinds = [kind for kind in SHOWN if any(kind in numbers for _, numbers in known)]
+    first, *others = names(family.variations)
+    figure = grid([capital(kind) for kind in kinds], 2)
+    for panel, kind in enumerate(kinds, start=1):
+        of = [numbers[kind] for _, numbers in known if kind in numbers]
+        factor, unit = prefixed(max(abs(peak.value) for peak in of), of[0].unit)
+        for number, rest in enumerate(dict.fromkeys(values[1:] for values, _ in known)):
+            own = [(values[0], numbers) for values, numbers in known if values[1:] == rest]
+            y = [factor * numbers[kind].value if kind in numbers else np.nan for _, numbers in own]
+            x, line = np.array([value for value, _ in own]), {"color": colour(number)}
+            alike = ", ".join(f"{name} = {value:.6g}" for name, value in zip(others, rest, strict=True)) or "members"
+            draw(figure, alike, x, np.array(y), panel, mode="lines+markers", line=line)
+        figure.update_yaxes(title=f"[{unit}]", panel=panel)
+    figure.update_xaxes(title=first)
+    return figure.update_layout(layout(60 + 300 * -(-len(kinds) // 2), titled=True) | {"legend": LEGEND_BESIDE})
 
 
 def histograms(study: MonteCarlo) -> Figure:

@@ -19,6 +19,7 @@ SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 BOUND = {"color": GREY, "dash": "dot"}  # line of the reference's floor, of round-off, of a limit
 FLOOR, ROUND_OFF = "reference's floor", "explained by round-off"  # names of such lines
+BEFORE = "before"  # the name of an earlier run
 LOG = {"type": "log", "exponentformat": "power"}
 MARGIN = {"l": 70, "r": 20, "t": 40, "b": 55}  # px
 LEGEND = {"orientation": "h", "yanchor": "bottom", "y": 1.02, "x": 0}  # above the panels

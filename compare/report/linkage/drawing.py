@@ -36,6 +36,14 @@ class Arrow:
     aside: Vectors | float = 0.0  # m, from the pin to the force's line, by that moment
 
 
+def pushes(scene: Scene) -> Iterator[tuple[str, str, str, complex]]:
+    """Yield what acts along guides and across: slider, channel, name, and direction, 1 along the guide, 1j across."""
+    for slider in scene.slides:
+        yield slider, f"{slider}.guide_force", f"guide on {slider}", 1j
+        if slider == scene.drive.body:
+            yield slider, "drive.force", f"drive on {slider}", 1.0
+
+
 def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     """Yield the forces of pins, guides and a driven slider's drive that a motion has, and loads; none without masses.
 
@@ -53,14 +61,10 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
             if moment in rubbing and moment in motion:
                 line = moment, -1j * motion[moment] / np.where(R == 0, 1.0, R.conj())
             yield Arrow(f"{pin.channel}: {pin.first} on {pin.second}", pin.point, R, components, False, *line)
-    for body in (scene.bodies[name] for name in scene.slides):
-        along = state.along(body)
-        pushes = [(f"{body.name}.guide_force", 1j * along, f"guide on {body.name}")]
-        if body.name == scene.drive.body:
-            pushes.append(("drive.force", along, f"drive on {body.name}"))
-        for channel, direction, name in pushes:
-            if channel in motion:
-                yield Arrow(name, body.points[0], motion[channel] * direction, (f"{name} x", f"{name} y"))
+    for slider, channel, name, way in pushes(scene):
+        if channel in motion:
+            body, components = scene.bodies[slider], (f"{name} x", f"{name} y")
+            yield Arrow(name, body.points[0], motion[channel] * (way * state.along(body)), components)
     state = state.pressed(state.stroke_ends())
     for body in scene.bodies.values():
         own = [load for load in scene.loads if load.body == body.name and not isinstance(load, Moment)]

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cached_property
 from typing import Any
 from xml.etree.ElementTree import tostring
@@ -10,16 +10,15 @@ from xml.etree.ElementTree import tostring
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Motion
+from scenes import Motion, Scene
 from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
 from ...judge.errors import Comparison
 from ...mechanics.axis import axis
 from ...study import Study
-from ..figures.before import BEFORE, at_positions
 from ..figures.curves import Panel, error
-from ..figures.style import DARK_GREY, GREY, colour
+from ..figures.style import BEFORE, DARK_GREY, GREY, colour
 from ..numbers import units
 from ..output.earlier import Before
 from ..pages.html import packed
@@ -33,16 +32,13 @@ STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
 
 
-@dataclass(frozen=True)
-class PolarVector:
-    """A vector over a cycle, for a polar diagram."""
-
-    name: str
-    at: str  # the point of a pin
-    bodies: Sequence[str]  # the one that acts and the other
-    channels: Sequence[str]  # its x and y
-    factor: float
-    unit: str
+def at_positions(scene: Scene, motion: Motion, later: Motion) -> Motion:
+    """An earlier motion where a later one has samples, straight between its own; NaN beyond its ends."""
+    over = axis(scene).channel
+    order = np.argsort(motion[over])
+    earlier = {channel: values[order] for channel, values in motion.samples.items()}
+    at = {channel: np.interp(later[over], earlier[over], values, np.nan, np.nan) for channel, values in earlier.items()}
+    return Motion(at | {"time": later["time"]})
 
 
 class MovingPicture:
@@ -124,7 +120,7 @@ class MovingPicture:
         scene, drawing = self.study.scene, self.drawing
         over, named = axis(scene), units(self.study.reference)
         first = {body.name: body.points[0] for body in scene.bodies.values()}
-        numbers = {m.run.engine: number for number, m in enumerate(self.study.measurements)}  # reference: not always
+        colours = {BEFORE: GREY} | {m.run.engine: colour(number) for number, m in enumerate(self.study.measurements)}
         kept = ("name", "point", "load", "components", "moment")
         efforts = ((channel, named[UNITS[quantity(channel)]]) for channel in self._effort)
         return {
@@ -134,10 +130,7 @@ class MovingPicture:
             "channels": self._channels,
             "compared": len(self._compared),
             "engines": self.names,
-            "colours": [
-                colour(numbers[name]) if name in numbers else GREY if name == BEFORE else DARK_GREY
-                for name in self.names
-            ],
+            "colours": [colours.get(name, DARK_GREY) for name in self.names],
             "before": {"number": self.names.index(BEFORE), "ground": self._ground} if BEFORE in self.names else None,
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
@@ -148,24 +141,23 @@ class MovingPicture:
             "ground": dict(scene.ground),
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
             "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
-            "outlines": outlines(drawing),
-            "vectors": [asdict(vector) for vector in self.vectors],
+            "outlines": [*outlines(drawing).values()],
+            "vectors": self.vectors,
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
 
     @cached_property
-    def vectors(self) -> list[PolarVector]:
+    def vectors(self) -> list[dict[str, Any]]:
         """What a polar diagram can be drawn of: the forces of pins, and the output's velocity, its hodograph."""
-        scene, named = self.study.scene, units(self.study.reference)
-
-        def vector(name: str, stem: str, unit: str, at: str = "", bodies: Sequence[str] = ()) -> PolarVector:
-            return PolarVector(name, at, bodies, [f"{stem}{q}" for q in "xy"], *named[unit])
-
-        forces = (
-            vector(f"force at pin {p.channel}", f"{p.channel}.f", "N", p.point, (p.first, p.second)) for p in scene.pins
-        )
-        drawn = [*forces, vector(f"velocity of {scene.output}", f"{scene.output}.v", "m/s")]
-        return [vector for vector in drawn if {*vector.channels} <= {*self._channels}]
+        scene, named, vectors = self.study.scene, units(self.study.reference), list[dict[str, Any]]()
+        drawn = [(f"force at pin {p.channel}", f"{p.channel}.f", p.point, [p.first, p.second]) for p in scene.pins]
+        for name, stem, pin, bodies in (*drawn, (f"velocity of {scene.output}", f"{scene.output}.v", "", [])):
+            channels = [f"{stem}{q}" for q in "xy"]
+            factor, unit = named[UNITS[quantity(channels[0])]]
+            if {*channels} <= {*self._channels}:
+                vector = {"name": name, "at": pin, "bodies": bodies, "channels": channels}
+                vectors.append(vector | {"factor": factor, "unit": unit})
+        return vectors
 
     @property
     def magnified(self) -> Iterator[tuple[float, str]]:

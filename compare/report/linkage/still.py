@@ -10,7 +10,7 @@ from scenes import Motion, Scene
 from scenes.model.enclosures import MotionRange
 
 from .drawing import MARGIN, PX, SIZE, Drawing
-from .svg import TO_NAME, picture, stands_alone, text
+from .svg import TO_NAME, empty, line, picture, stands_alone
 
 ROWS = 120  # of a motion, for the paths of a small picture
 SMALL = 1.7  # times as large signs are in a small picture
@@ -47,15 +47,10 @@ def sketched(scene: Scene, joint: str = "") -> str:
     margin = MARGIN * (1 + 1j)
     at = dict(zip(scene.drawn, scale * (drawn - complex(low.real, high.imag)).conj() + margin, strict=True))
     size = scale * (high - low) + 2 * margin
-    box = {"viewBox": f"0 0 {size.real:.1f} {size.imag:.1f}", "style": f"--px: {PX:.4f}"}
-    label = {"role": "img", "aria-label": f"{scene.title}: the sketch"}
-    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "class": "linkage"} | label | box)
-    SubElement(root, "style").text = text("linkage.css")
+    root = empty(f"{scene.title}: the sketch", (size.real, size.imag))
     for body in scene.bodies.values():
         corners = [at[point] for point in body.points if point in at]
-        around = "L".join(f"{corner.real:.1f} {corner.imag:.1f}" for corner in [*corners, *corners[:1]])
-        if corners:
-            SubElement(root, "path", {"class": "sketch", "d": f"M{around}"})
+        line(root, "sketch", np.array([*corners, *corners[:1]]))
     for point, place in at.items():
         group = SubElement(root, "g", {"transform": f"translate({place.real:.1f} {place.imag:.1f})"})
         SubElement(group, "circle", {"class": "sign pin", "r": "5"})

@@ -79,11 +79,8 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
 
     A group that moves says by what: `data-point`, where it is; `data-turn`, its body; `data-to`, a spring's other end.
     """
-    (width, height), scene = drawing.size, drawing.scene
-    label = f"{scene.title} at {scene.where(float(drawing.motion[scene.drive_channel][0]))}"
-    box = {"class": "linkage", "viewBox": f"0 0 {width:.1f} {height:.1f}", "style": f"--px: {PX:.4f}"}
-    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": label} | box)
-    SubElement(root, "style").text = text("linkage.css")
+    (_, height), scene = drawing.size, drawing.scene
+    root = empty(f"{scene.title} at {scene.where(float(drawing.motion[scene.drive_channel][0]))}", drawing.size)
     background(root, drawing)
     movers = [*bodies(root, drawing), *springs(root, drawing), *turning(root, drawing)]
     SubElement(root, "g", {"class": "engines"})
@@ -107,6 +104,14 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
     return root, movers
 
 
+def empty(label: str, size: tuple[float, float]) -> Element:
+    """An SVG of a size in its own units, with nothing in it but the style of a linkage."""
+    box = {"class": "linkage", "viewBox": f"0 0 {size[0]:.1f} {size[1]:.1f}", "style": f"--px: {PX:.4f}"}
+    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": label} | box)
+    SubElement(root, "style").text = text("linkage.css")
+    return root
+
+
 def text(name: str) -> str:
     """A file that lies beside this one."""
     return files("compare.report.linkage").joinpath(name).read_text(encoding="utf-8")
@@ -117,19 +122,19 @@ def background(root: Element, drawing: Drawing) -> None:
     scene = drawing.scene
     for point in scene.moving_points:
         path = drawing.units(drawing.places[point])
-        _line(root, "path", path[extremes(path.real, path.imag, PATH)])
+        line(root, "path", path[extremes(path.real, path.imag, PATH)])
     for name, slide in scene.slides.items():
         if slide.on == GROUND:
             _guide(root, drawing.units(drawing.way(name)), scene.bodies[name].points[0])
     ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
-    for points in outlines(drawing):
+    for points in outlines(drawing).values():
         shown = np.array([scene.drawn[point] for point in points if point in scene.drawn], np.complex128)
-        _line(ghost, "sketch", drawing.units(shown))
+        line(ghost, "sketch", drawing.units(shown))
 
 
-def outlines(drawing: Drawing) -> list[tuple[str, ...]]:
-    """The points around each body; one of more than two comes back to the first."""
-    return [_around(drawing, body) for body in drawing.scene.bodies.values() if len(body.points) > 1]
+def outlines(drawing: Drawing) -> dict[str, tuple[str, ...]]:
+    """The points around each body that has several, by its name; of more than two they come back to the first."""
+    return {name: _around(drawing, body) for name, body in drawing.scene.bodies.items() if len(body.points) > 1}
 
 
 def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
@@ -145,9 +150,9 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
             if slide.on == body.name:
                 _slot(group, drawing.per_metre * (drawing.way(slider) - first_point(body)).conj(), outline)
         if len(body.points) > 1:
-            _line(group, "bar own" if len(body.points) == 2 else "plate own", outline)
+            line(group, "bar own" if len(body.points) == 2 else "plate own", outline)
         if body.slide is not None and (rod := drawing.rod(body.name)):
-            _line(group, "bar", np.array([0j, -drawing.per_metre * rod * complex(*body.slide.along).conjugate()]))
+            line(group, "bar", np.array([0j, -drawing.per_metre * rod * complex(*body.slide.along).conjugate()]))
         elif body.slide is not None:
             turn = {"transform": f"rotate({-degrees(atan2(*body.slide.along[::-1])):.3f})"}
             half = SLOT - 2 if body.slide.on != GROUND else GUIDE - 2
@@ -184,7 +189,7 @@ def turning(root: Element, drawing: Drawing) -> Iterator[Mover]:
 
 def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
     """Draw every point as a pin with its name, upright, and a fixed one on hatched ground."""
-    around = outlines(drawing)
+    around = outlines(drawing).values()
     for point in drawing.scene.owners:
         group = SubElement(root, "g", {"data-point": point})
         if point in drawing.scene.ground:
@@ -274,7 +279,7 @@ def _slot(group: Element, ends: Vectors, outline: Vectors) -> None:
     bars = [_foot(along, np.array(p), np.array(q)) for p, q in pairwise([*outline[:1], *outline])]
     bar, place = divmod(int(np.argmin(np.abs(np.array(bars) - along))), len(along))
     if abs(bars[bar][place] - along[place]) > 2 * SLOT * PX:
-        _line(group, "bar", np.array([bars[bar][place], along[place]]))
+        line(group, "bar", np.array([bars[bar][place], along[place]]))
     inner, length = _along(group, ends)
     start, end = -1.4 * BLOCK * PX, length + 1.4 * BLOCK * PX
     _path(inner, "across slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
@@ -286,7 +291,8 @@ def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
     return np.asarray(start + share * way)
 
 
-def _line(parent: Element, kind: str, corners: Vectors) -> None:
+def line(parent: Element, kind: str, corners: Vectors) -> None:
+    """Draw a line through corners, in the picture's units; nothing without any."""
     if len(corners):
         _path(parent, kind, "M" + "L".join(f"{corner.real:.1f} {corner.imag:.1f}" for corner in corners))
 

@@ -25,8 +25,8 @@ from ...judge.judgement import off_sketch
 from ...judge.measure import Measurement
 from ...mechanics.axis import axis
 from ...study import Study
-from ..linkage.still import small
-from ..pages.report import page
+from ..linkage.still import sketched, small
+from ..pages.report import page, unsolved_page
 from ..plain import json_text
 from ..tables import TableRows
 from ..tables import speed as speed_tables
@@ -80,13 +80,10 @@ def write(
 
 def write_unsolved(scene: Scene, unsolved: UnsolvedError, folder: Path, known: Mapping[str, Any]) -> Path:
     """Write `report.html` and `summary.json` of a scene that cannot run as `write` does, and return the folder."""
-    from ..linkage.still import sketched  # late, as what is of families
-    from ..pages.unsolved import unsolved_page
-
     way = stopped(scene, unsolved.failure)
-    page = partial(unsolved_page, scene, unsolved, way, known.get("since_baseline", known.get("since_last_run", ())))
+    drawn = partial(unsolved_page, scene, unsolved, way, known.get("since_baseline", known.get("since_last_run", ())))
     known = {**known, "picture": small(scene, way.motion) if way else sketched(scene)}
-    with _result(scene, folder, REPORT, known, page, complete=True) as (_, place):
+    with _result(scene, folder, REPORT, known, drawn, complete=True) as (_, place):
         return place
 
 
@@ -111,10 +108,8 @@ def write_family(family: "Family", folder: Path) -> Path:
 
     varied = {variation.path: variation.values for variation in family.variations}
     known = {"varied": varied, "engines": family.engines, "environment": environment()}
-    with _result(family.scene, folder, FAMILY, known, partial(family_page, family), complete=family.complete) as (
-        aside,
-        place,
-    ):
+    page = partial(family_page, family)
+    with _result(family.scene, folder, FAMILY, known, page, complete=family.complete) as (aside, place):
         _write_table(in_si(family), aside / "family.csv")
     return place
 
@@ -124,17 +119,15 @@ def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
     from ..pages.many import monte_carlo_page  # late, as what is of families
     from ..tables.monte_carlo import in_si, summary
 
-    known = summary(study) | {"environment": environment()}
-    with _result(
-        study.scene, folder, MONTE_CARLO, known, partial(monte_carlo_page, study), complete=study.complete
-    ) as (aside, place):
+    known, page = summary(study) | {"environment": environment()}, partial(monte_carlo_page, study)
+    with _result(study.scene, folder, MONTE_CARLO, known, page, complete=study.complete) as (aside, place):
         _write_table(in_si(study), aside / "monte_carlo.csv")
     return place
 
 
 def write_assemblies(scene: Scene, every: Assemblies, folder: Path) -> Path:
     """Write `assemblies.html` and `assemblies.json` beside a scene's report, and return the folder."""
-    from ..pages.assemblies import assemblies_page  # late, as what is of families
+    from ..pages.many import assemblies_page  # late, as what is of families
 
     with placed(folder, scene.name, ASSEMBLIES) as aside:
         known = {"complete": every.complete, "position": every.position, "assemblies": every.found}

@@ -1,19 +1,20 @@
-"""The page on many linkages of one scene: a family's with a slider through its members, or that of tolerances."""
+"""Pages on many linkages of one scene: a family, with a slider through its members; tolerances; all assemblies."""
 
 from collections.abc import Iterator
 from typing import Any
 
 from scenes import Failure, Motion, Sampling, Scene, load
+from scenes.model.enclosures import Assemblies
 
 from ...engines import registry
 from ...measure.many.family import Family
 from ...measure.many.study import MonteCarlo
 from ...mechanics.axis import axis
-from ..figures.many import MOST_LINES, curves, drawn, histograms, variance_shares
-from ..figures.over_number import over_number
+from ..figures.many import MOST_LINES, curves, drawn, histograms, over_number, variance_shares
 from ..linkage.drawing import Drawing
 from ..linkage.svg import by_itself
 from ..numbers import units
+from ..tables import assemblies as assembly_tables
 from ..tables import family as family_tables
 from ..tables import monte_carlo as monte_carlo_tables
 from ..tables.first_screen import answers
@@ -53,6 +54,13 @@ def monte_carlo_page(study: MonteCarlo) -> str:
         shares=variance_shares(study) if moving else None,
         drawing=_worst(study),
     )
+
+
+def assemblies_page(scene: Scene, every: Assemblies) -> str:
+    """The whole page on all assemblies as HTML; all pictures are at one scale."""
+    alone = [Drawing(scene, one.motion) for one in every.found]
+    pictures = [by_itself(Drawing(scene, own.motion, alone), 0) for own in alone]
+    return render("assemblies.html", scene=scene, every=every, tables=assembly_tables, pictures=pictures)
 
 
 def _motion(scene: Scene) -> Motion:

@@ -1,24 +1,27 @@
-"""The page on one scene: one self-contained HTML file, opened from disk with no network."""
+"""The page on one scene, or on one that cannot run: a self-contained HTML file, opened from disk with no network."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from scenes import Motion
+from scenes import Motion, Scene
+from scenes.model.enclosures import MotionRange
 from scenes.scene import ConstantSpeed
 
+from ...judge.agreement import Agreement, Word
+from ...judge.floor import UnsolvedError
 from ...measure.speed.speed_table import SAMPLING
 from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
 from ..bench.bench import Bench
-from ..figures.before import draw_before
-from ..figures.curves import assur_groups, chosen, friction, over_angle, over_distance
+from ..figures.curves import assur_groups, chosen, draw_before, friction, over_angle, over_distance
 from ..figures.figure import Attributes, Figure, affordable
 from ..figures.speed import work_precision
 from ..figures.style import FLOOR, ROUND_OFF
 from ..linkage.moving import MovingPicture
+from ..linkage.still import sketched, stopped
 from ..numbers import short, units
 from ..output.earlier import Before
 from ..tables import first_screen
@@ -65,6 +68,22 @@ def page(study: Study, before: Before | None = None) -> str:
         near=f"{100 * ALIKE:.0f} %",
         tie=f"{100 * TIE:.0f} %",
         **in_full(study),
+    )
+
+
+def unsolved_page(scene: Scene, unsolved: UnsolvedError, way: MotionRange | None, changed: Sequence[object]) -> str:
+    """The page on a scene that cannot run, by how far it goes; `changed` is what did since an earlier run."""
+    _, joint = (unsolved.failure and unsolved.failure.at) or (0.0, "")
+    return render(
+        "unsolved.html",
+        scene=scene,
+        unsolved=unsolved,
+        agreement=Agreement(Word.not_solved, str(unsolved)),
+        way=way,
+        goes=[scene.between(ends) for ends in way.ways] if way else [],
+        picture=stopped(scene, way) if way else sketched(scene, joint),
+        where=scene.where(float(way.motion[scene.drive_channel][0])) if way else "",
+        changed=changed,
     )
 
 

@@ -1,7 +1,5 @@
 """All assemblies of a linkage, as rows and a sentence."""
 
-from collections.abc import Sequence
-
 from scenes import Scene
 from scenes.model.enclosures import Assemblies
 
@@ -13,13 +11,9 @@ def ways(scene: Scene, every: Assemblies) -> TableRows:
     return [
         {"assembly": number, "off the sketch by": scene.length(one.off_sketch), "meant": "yes" if one.meant else ""}
         | {"circuit": "–" if one.circuit is None else chr(ord("A") + one.circuit)}
-        | {"meets another at": _meets(scene, one.meets)}
+        | {"meets another at": ", ".join(f"{scene.position(at)} ({joint} singular)" for at, joint in one.meets)}
         for number, one in enumerate(every.found, 1)
     ]
-
-
-def _meets(scene: Scene, ends: Sequence[tuple[float, str]]) -> str:
-    return ", ".join(f"{scene.position(position)} ({joint} singular)" for position, joint in ends)
 
 
 def sentence(scene: Scene, every: Assemblies) -> str:

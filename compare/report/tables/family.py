@@ -1,9 +1,8 @@
 """A family's tables and sentences: a row a member, for the terminal, the page and `family.csv`."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import floor, isnan, log10, nan
-
-import numpy as np
+from operator import itemgetter
 
 from scenes import Status
 from scenes.model.motion import quantity
@@ -123,15 +122,6 @@ def setup(family: Family) -> str:
     return f"Varied, in the units of the file: {'; '.join(spans)}."
 
 
-def verdict(family: Family) -> str:
-    """How many members run, and how far each engine is from the reference in the worst of them."""
-    sentences = [_ran(family)]
-    for engine, solved, worst in _worst(family):
-        near = f", and is within {worst:.1e} of the reference" if solved and not isnan(worst) else ""
-        sentences.append(f"{engine} solved {solved} of those that run{near}.")
-    return " ".join(sentences)
-
-
 def _ran(family: Family) -> str:
     stopped = "" if family.complete else f"Stopped after {len(family.members)} of {family.asked} members. "
     failed = [m for m in family.members if m.cycle is None]
@@ -141,17 +131,6 @@ def _ran(family: Family) -> str:
     return f"{stopped}Members that do not run: {len(failed)} of {len(family.members)}, first {first}."
 
 
-def _worst(family: Family) -> Iterator[tuple[str, int, float]]:
-    """Yield by engine how many members it solved, and its largest error on them."""
-    for number, engine in enumerate(family.engines):
-        if engine != REFERENCE:
-            own = (member.measurements[number] for member in family.members if member.measurements)
-            solved = [m for m in own if m.run.status is Status.ok]
-            errors = (worst_error(family.scene, m) for m in solved)
-            sizes = [error.size for error in errors if error]
-            yield engine, len(solved), np.max(sizes, initial=0.0)  # NaN: the largest
-
-
 def agreement(family: Family) -> Agreement:
     """Whether the models agree on all members that run, and on which they do so the least."""
     judged = [(label(family, m), m.judgement.agreement) for m in family.members if m.judgement is not None]
@@ -159,7 +138,9 @@ def agreement(family: Family) -> Agreement:
         return Agreement(Word.not_solved, _ran(family))
     name, worst = max(judged, key=lambda member: WORST_LAST.index(member[1].word))
     if worst.word is Word.agrees:
-        engine, _, size = max(_worst(family), key=lambda engine: engine[2])
+        solved = [m for of in family.members for m in of.measurements if m.run.status is Status.ok]
+        errors = [(worst_error(family.scene, m), m.run.engine) for m in solved if m.run.engine != REFERENCE]
+        size, engine = max(((error.size, engine) for error, engine in errors if error), key=itemgetter(0))
         to = f"with the reference to {within(size)}; {engine} is the farthest"
         word = Word.agrees if len(judged) == len(family.members) else Word.in_part
         return Agreement(word, f"{_ran(family)} On all that run the engines agree {to}.")

@@ -46,7 +46,7 @@ class Answer(NamedTuple):
     direction: str
     differ: str  # by how much the engines differ at most
     each: str  # by how much each of them does
-    before: str = ""  # what it was in an earlier run, and by how much it changed since
+    before: str  # what it was in an earlier run, and by how much it changed since
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -63,15 +63,11 @@ def answers(
     """
     over, (whole, at_joints) = axis(scene), parted(peaks)
     was = {(peak.name, peak.of): peak.value for peak in before}
-
-    def answer(peak: Peak) -> Answer:
-        return _answer(over, peak, units)._replace(before=_before(peak, was.get((peak.name, peak.of)), units))
-
-    shown, joints = ([answer(peak) for peak in some] for some in (whole, at_joints))
+    shown, joints = ([_answer(over, p, units, was.get((p.name, p.of))) for p in some] for some in (whole, at_joints))
     for row, peak in enumerate(whole):
         if peak in at_joints:
             largest = next((old.value for old in parted(before)[0] if quantity(old.channel) in OF_A_PIN), None)
-            shown[row] = shown[row]._replace(name="Largest pin force", of=peak.of, before=_before(peak, largest, units))
+            shown[row] = _answer(over, peak, units, largest)._replace(name="Largest pin force", of=peak.of)
     return shown, joints
 
 
@@ -101,7 +97,7 @@ def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
     return whole, at_joints
 
 
-def _answer(over: DriveAxis, peak: Peak, units: Units) -> Answer:
+def _answer(over: DriveAxis, peak: Peak, units: Units, was: float | None) -> Answer:
     sizes = [size for size in peak.differs.values() if not isnan(size)]
     return Answer(
         name=capital(peak.name),
@@ -114,6 +110,7 @@ def _answer(over: DriveAxis, peak: Peak, units: Units) -> Answer:
         direction="" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
         differ=percent(max(sizes)) if sizes else "–",
         each=", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
+        before=_before(peak, was, units),
     )
 
 

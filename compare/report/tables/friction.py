@@ -1,7 +1,9 @@
 """What friction does in the reference's motion: losses by joint, efficiency, where it jams, where it locks itself."""
 
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -24,6 +26,8 @@ HALVINGS = 13  # of their range, on a logarithmic scale: to three digits
 CYCLE = Sampling(360)
 NOTHING = 1e-9  # of a work in either sense: the net work of a load that gives back what it takes
 RANGES = 3  # of positions that are named, at most
+
+_joules = partial(written, unit="J", units={})
 
 
 def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
@@ -101,32 +105,26 @@ def frictionless(scene: Scene, motion: Motion) -> Samples:
     return registry.reference(free, frozenset((channel,)))(motion[scene.drive_channel], motion["time"])[channel]
 
 
-def _joules(work: float) -> str:
-    return written(work, "J", {})
-
-
 def _work(motion: Motion, power: Samples) -> float:
     return float(((power[1:] + power[:-1]) / 2 * np.diff(motion["time"])).sum())
 
 
 def _jam(scene: Scene) -> str:
-    def passes(factor: float) -> bool:
+    def jams(factor: float) -> bool:
         scaled = (replace(one, coefficient=factor * one.coefficient) for one in scene.friction)
         harder = replace(scene, friction=tuple(scaled))
         try:
             registry.reference(harder, frozenset((scene.effort_channel,)))(CYCLE.commanded(scene), CYCLE.times(scene))
         except Failure:
-            return False
-        return True
+            return True
+        return False
 
-    if passes(LARGEST):
+    if not jams(LARGEST):
         return f"It does not jam with {LARGEST:g} times its coefficients of friction."
-    low, high = 1.0, LARGEST
-    for _ in range(HALVINGS):
-        middle = (low * high) ** 0.5
-        low, high = (middle, high) if passes(middle) else (low, middle)
+    factors = np.geomspace(1.0, LARGEST, 2**HALVINGS + 1)
+    most = factors[bisect_left(factors, True, 1, len(factors) - 1, key=jams) - 1]
     more = "with more it jams, or its forces are not determined"
-    return f"It moves with up to {low:.3g} times its coefficients of friction; {more}."
+    return f"It moves with up to {most:.3g} times its coefficients of friction; {more}."
 
 
 def _locking(study: Study) -> str:

@@ -158,11 +158,6 @@ def scales(scene: Scene) -> str:
     return "" if isinstance(scene.drive, ConstantSpeed) else " ω is the drive's peak rate."
 
 
-def verdict(study: Study) -> str:
-    """How far the models agree, in a word and a sentence."""
-    return f"{study.agreement.word}: {study.agreement.sentence}"
-
-
 def notes(study: Study) -> list[str]:
     """What a reader must know: how the floor was found, why runs failed, which channels are missing and why."""
     sentences = [*floors([study.reference.floor])]

@@ -11,7 +11,7 @@ import pytest
 import scenes
 from compare.measure.many import family
 from compare.measure.many.grid import variation
-from compare.report.figures.over_number import over_number
+from compare.report.figures.many import over_number
 from compare.run import main
 from tests import scene_files
 from tests.pages import unpacked, without_scripts
