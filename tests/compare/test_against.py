@@ -10,8 +10,7 @@ import pytest
 
 import analytic
 from compare.judge.peaks.peaks import Peak
-from compare.report.linkage.moving import at_positions
-from compare.report.output.earlier import SummaryPeak, before, summary_of
+from compare.report.output.earlier import SummaryPeak, at_positions, before, summary_of
 from compare.report.tables.first_screen import answers
 from compare.run import main
 from compare.study import Study
@@ -91,6 +90,19 @@ def test_samples_at_other_positions() -> None:
     at = at_positions(load("four_bar"), earlier, later)
     assert at["B.x"] == pytest.approx([5.0, 15.0, np.nan], nan_ok=True)
     assert at["time"] is later["time"]
+
+
+def test_a_turn_that_began_elsewhere_goes_on() -> None:
+    """Of a crank that began a third of a turn further: no gap, no jump, and its angle is of the later turn."""
+    scene = load("four_bar")
+    begun = np.linspace(2.0, 2.0 + 2 * np.pi, 721)
+    earlier = Motion({"crank_angle": begun, "B.x": np.cos(begun), "crank.angle": begun, "time": begun - 2.0})
+    position = np.linspace(0.0, 2 * np.pi, 91)
+    at = at_positions(scene, earlier, Motion({"crank_angle": position, "time": position}))
+    assert at["B.x"] == pytest.approx(np.cos(position), abs=1e-4)  # straight between: (2 pi / 720)^2 / 8
+    assert at["crank.angle"] == pytest.approx(position, abs=1e-12)
+    part = Motion({name: values[:700] for name, values in earlier.samples.items()})
+    assert np.isnan(at_positions(scene, part, Motion({"crank_angle": position, "time": position}))["B.x"]).any()
 
 
 @pytest.mark.parametrize(

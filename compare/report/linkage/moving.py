@@ -10,7 +10,7 @@ from xml.etree.ElementTree import tostring
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Motion, Scene
+from scenes import Motion
 from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
@@ -32,15 +32,6 @@ STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
 
 
-def at_positions(scene: Scene, motion: Motion, later: Motion) -> Motion:
-    """An earlier motion where a later one has samples, straight between its own; NaN beyond its ends."""
-    over = axis(scene).channel
-    order = np.argsort(motion[over])
-    earlier = {channel: values[order] for channel, values in motion.samples.items()}
-    at = {channel: np.interp(later[over], earlier[over], values, np.nan, np.nan) for channel, values in earlier.items()}
-    return Motion(at | {"time": later["time"]})
-
-
 class MovingPicture:
     """The picture of a study, and its data: the reference's motion, and those of the engines that have all samples."""
 
@@ -54,8 +45,8 @@ class MovingPicture:
             if m.run.engine != REFERENCE and not m.foreign and m.run.motion is not None and m.comparison is not None
         }
         self._ground = before.ground if before else {}
-        if before and axis(scene).channel in before.motion:
-            self.engines[BEFORE] = None, at_positions(scene, before.motion, study.motion)
+        if before and before.motion.samples:
+            self.engines[BEFORE] = None, before.motion
         self.names = [REFERENCE, *self.engines]  # as they are numbered in the data
         self._effort = [c for c in (scene.effort_channel,) if c in study.motion]  # one, or none
         self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]

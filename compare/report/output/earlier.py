@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from math import tau
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
@@ -14,7 +15,10 @@ from scenes.errors import at_place, one_line, path_in_file
 from scenes.file.toml import SUMMARY_BYTES, read_text
 from scenes.model.motion import Samples
 
+from ...mechanics.axis import axis, turns_fully
+
 MOTION_BYTES = 2**28  # of a motion's file, at most
+WHOLE = 1e-9  # of a turn: what a whole one may lack
 
 OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
 Json: TypeAlias = dict[str, Any]
@@ -97,6 +101,25 @@ def before(summary: Summary, path: Path, scene: Scene) -> Before:
         values = np.array([row.split(",") for row in rows], np.float64).T
         samples = dict(zip((name.partition(" [")[0] for name in names.split(",")), values, strict=True))
     return Before(summary.peaks, ground, Motion(samples))
+
+
+def at_positions(scene: Scene, motion: Motion, later: Motion) -> Motion:
+    """An earlier motion where a later one has samples, straight between its own; NaN beyond its ends.
+
+    One of whole turns goes on as it began, but for angles, which a turn takes further.
+    """
+    over = axis(scene).channel
+    if over not in motion:
+        return Motion({})
+    order, wanted = np.argsort(motion[over]), later[over]
+    x = motion[over][order]
+    turn = tau if turns_fully(scene) and np.ptp(x) > tau * (1 - WHOLE) else None
+    at = {"time": later["time"]}
+    for channel in motion.samples.keys() - {"time"}:
+        values = motion[channel][order]
+        slope = (values[-1] - values[0]) / (np.ptp(x) or 1.0)
+        at[channel] = np.interp(wanted, x, values - slope * x, np.nan, np.nan, turn) + slope * wanted
+    return Motion(at)
 
 
 def _file(path: Path, scene: Scene) -> Path:

@@ -1,6 +1,7 @@
 """The page on one scene, or on one that cannot run: a self-contained HTML file, opened from disk with no network."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from ..figures.style import FLOOR, ROUND_OFF
 from ..linkage.moving import MovingPicture
 from ..linkage.still import sketched, stopped
 from ..numbers import short, units
-from ..output.earlier import Before
+from ..output.earlier import Before, at_positions
 from ..tables import first_screen
 from ..tables import friction as friction_tables
 from ..tables import proof as proof_tables
@@ -35,12 +36,13 @@ from .html import render
 def page(study: Study, before: Before | None = None) -> str:
     """The whole report as HTML, beside an earlier run if there is one."""
     scene, (drawn, left_out), earlier = study.scene, chosen(study), before or Before((), {}, Motion({}))
+    earlier = replace(earlier, motion=at_positions(scene, earlier.motion, study.motion))
     panels = {panel.title: over_angle(study, panel) for panel in drawn}
     for panel in drawn:
         draw_before(panels[panel.title], scene, panel, earlier.motion)
     groups, distance = assur_groups(study), over_distance(study)
     most = affordable(figure.traces for figure in (*panels.values(), groups, distance) if figure is not None)
-    moving = MovingPicture(study, drawn, before)
+    moving = MovingPicture(study, drawn, earlier)
     return render(
         "report.html",
         most=most,
