@@ -14,10 +14,10 @@ FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
     **{"sin": np.sin, "cos": np.cos, "atan": np.arctan, "arccos": np.arccos, "√": np.sqrt},
     "e^i": lambda angle: np.exp(1j * angle),
 }
-NUMBERS: Mapping[str, Any] = {"0": 0.0, "2": 2.0, "i": 1j}
+NUMBERS: Mapping[str, Any] = {"0": 0.0, "1": 1.0, "2": 2.0, "i": 1j}
 INERTIA = r"m[₁-₅]? S̈[xy₁-₅]+|J[₀-₅]α[₁-₅]?|m₅[αg][₅ₛ]?"  # products with an acceleration
 Symbols: TypeAlias = Mapping[str, Any]  # what an equation is about, as printed: each of one shape or a number
-TOKEN = re.compile(rf"{INERTIA}|F_R\w+|M_d|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
+TOKEN = re.compile(rf"{INERTIA}|F_R\w+|\w_\w|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
 
 
 def equation(
@@ -36,21 +36,22 @@ def equation(
 
     A text has two sides, sums of products of factors that stand side by side, before a colon a remark, and after commas
     abbreviations or remarks. A function is of the factor after it. Abbreviations of other equations are `given`. A
-    `branch` has a name, and what it exchanges for what in the printed text.
+    `branch` has a name, and what it exchanges for what in the text that is read.
     """
 
     def form(text: str) -> Callable[[Symbols], Difference]:
         return _difference(f"{text}, {given}", modulo=tau if kind == "angle" else 0.0)
 
     name, one, other = branch
-    branches = {name: form(text.replace(one, other))} if name else {}
+    branches = {name: form((read or text).replace(one, other))} if name else {}
     right = form(meant or corrected) if corrected else None
     return Equation(kind, claim, text, form(read or text), corrected, right, branches, note)
 
 
 def _difference(text: str, *, modulo: float) -> Callable[[Symbols], Difference]:
     """The left side less the right one, perhaps but for multiples of something."""
-    parts = [part.split("=") for part in text.rpartition(": ")[2].split(", ") if "=" in part]
+    brackets = str.maketrans("[]", "()")
+    parts = [part.split("=") for part in text.translate(brackets).rpartition(": ")[2].split(", ") if "=" in part]
     (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
 
     def difference(of: Symbols) -> Difference:

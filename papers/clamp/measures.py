@@ -64,7 +64,7 @@ class Measure(NamedTuple):
 
 
 MEASURES: Mapping[str, Measure] = {
-    "M_P": Measure(lambda d: formulas.force_ratio(formulas.at(d, RATED)), 20.0, least=False),
+    "M_P": Measure(lambda d: 1 / formulas.velocity_ratio(formulas.at(d, RATED)), 20.0, least=False),
     "R_S": Measure(formulas.stroke_ratio, 1.0, least=False),
     "L_sum": Measure(lambda d: d.L1 + d.L2 + d.L4 + d.L5 + d.L3, 1000.0, least=True),
     "R_V start": Measure(lambda d: formulas.velocity_ratio(formulas.opened(d)), 1.0, least=False),
