@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from math import inf, nan
-from typing import Generic, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from scenes.model.motion import Samples
 EXACT = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
 OPEN = (True, False)  # a claim in words that gives nothing to check
 
-V = TypeVar("V")
+Symbols: TypeAlias = dict[str, Any]  # what an equation is about, as printed: each of one shape or a number
 Range: TypeAlias = tuple[float, float]
 Scale: TypeAlias = Mapping[str, tuple[float, str]]  # and unit, SI, by kind of quantity
 Difference: TypeAlias = Samples | NDArray[np.complex128]  # of an equation's two sides
@@ -58,20 +58,20 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Equation(Generic[V]):
+class Equation:
     """A printed equation as the difference of its sides, shape (n,), beside its other branches and its correction."""
 
     kind: str  # of quantity, which gives the scale
     claim: str
     text: str
-    printed: Callable[[V], Difference]
+    printed: Callable[[Symbols], Difference]
     corrected_text: str = ""
-    corrected: Callable[[V], Difference] | None = None
-    branches: Mapping[str, Callable[[V], Difference]] = field(default_factory=dict)
+    corrected: Callable[[Symbols], Difference] | None = None
+    branches: Mapping[str, Callable[[Symbols], Difference]] = field(default_factory=dict)
     note: str = ""
 
 
-def judge(equation: Equation[V], variables: V, scale: Scale, tolerance: float = EXACT) -> Claim:
+def judge(equation: Equation, variables: Symbols, scale: Scale, tolerance: float = EXACT) -> Claim:
     """The row of an equation over a motion; a form holds to the tolerance."""
     size, unit = scale[equation.kind]
     with np.errstate(invalid="ignore", divide="ignore"):  # a misprint may leave a root's domain, which is then its row

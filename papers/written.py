@@ -4,11 +4,11 @@ import re
 from collections import deque
 from collections.abc import Callable, Mapping
 from math import tau
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
-from .claims import Difference, Equation
+from .claims import Difference, Equation, Symbols
 
 FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
     **{"sin": np.sin, "cos": np.cos, "atan": np.arctan, "arccos": np.arccos, "√": np.sqrt},
@@ -16,7 +16,6 @@ FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
 }
 NUMBERS: Mapping[str, Any] = {"0": 0.0, "1": 1.0, "2": 2.0, "i": 1j}
 INERTIA = r"m[₁-₅]? S̈[xy₁-₅]+|J[₀-₅]α[₁-₅]?|m₅[αg][₅ₛ]?"  # products with an acceleration
-Symbols: TypeAlias = Mapping[str, Any]  # what an equation is about, as printed: each of one shape or a number
 TOKEN = re.compile(rf"{INERTIA}|F_R\w+|\w_\w|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
 
 
@@ -31,7 +30,7 @@ def equation(
     meant: str = "",
     given: str = "",
     branch: tuple[str, str, str] = ("", "", ""),
-) -> Equation[Any]:
+) -> Equation:
     """An equation of which every form is what its text is read as, unless that is `read` or `meant` as another text.
 
     A text has two sides, sums of products of factors that stand side by side, before a colon a remark, and after commas
@@ -55,7 +54,7 @@ def _difference(text: str, *, modulo: float) -> Callable[[Symbols], Difference]:
     (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
 
     def difference(of: Symbols) -> Difference:
-        values = dict(of)
+        values = of.copy()
         for (name,), meaning in abbreviations:
             values[name] = _sum(deque(meaning), values)
         off = _sum(deque(left), values) - _sum(deque(right), values)

@@ -8,8 +8,8 @@ import numpy as np
 from compare.mechanics.motion_vectors import MotionVectors
 from scenes import Motion, Scene
 
-from ..claims import Equation, Scale
-from ..written import Symbols, equation
+from ..claims import Equation, Scale, Symbols
+from ..written import equation
 from .formulas import Design
 
 
@@ -48,7 +48,7 @@ def scale(v: Symbols) -> Scale:
     return {kind: (L**of_L * V**of_V, unit) for kind, (_, unit, of_L, of_V) in KINDS.items()}
 
 
-def formula(kind: str, name: str, left: str, text: str, corrected: str = "", **more: Any) -> Equation[Any]:
+def formula(kind: str, name: str, left: str, text: str, corrected: str = "", **more: Any) -> Equation:
     """A printed formula as an equation: with `left`, what it gives, on its left side."""
     meant = f"{left} = {corrected}"
     return equation(kind, f"eq {name}", text, corrected, read=f"{left} = {text}", meant=meant, **more)

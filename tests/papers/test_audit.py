@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from papers import audit as audit_command
 from papers import optimise
 from papers.audit import audit, overview, write
-from papers.claims import OPEN, Claim, Equation, Verdict, comparison, judge, limit, number
+from papers.claims import OPEN, Claim, Equation, Symbols, Verdict, comparison, judge, limit, number
 from tests.pages import check_figures
 
 Audited = tuple[dict[str, list[Claim]], list[str]]
@@ -84,11 +84,11 @@ def test_bad_input_is_named_in_one_line(
     ],
 )
 def test_the_rule_of_equations(printed: float, branch: float, corrected: float, verdict: Verdict) -> None:
-    def form(value: float) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-        return lambda v: v * value
+    def form(value: float) -> Callable[[Symbols], NDArray[np.float64]]:
+        return lambda v: v["x"] * value
 
     equation = Equation("length", "eq", "", form(printed), "c", form(corrected), {"b": form(branch)})
-    assert judge(equation, np.ones(3), {"length": (1.0, "m")}).verdict is verdict
+    assert judge(equation, {"x": np.ones(3)}, {"length": (1.0, "m")}).verdict is verdict
 
 
 def test_the_rule_of_numbers() -> None:

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from papers.claims import EXACT, Claim, Verdict, judge
+from papers.claims import EXACT, Claim, Symbols, Verdict, judge
 from papers.toggle_press.claims import claims
-from papers.toggle_press.kinematics import POSITIONS, RATES, Uneven, over_two_turns, scale_of
-from papers.written import Symbols
+from papers.toggle_press.kinematics import POSITIONS, RATES, over_two_turns, scale_of
 
 from . import audit_transcription as second
 
@@ -75,15 +74,9 @@ def test_the_equations_are_sharp(variables: Symbols) -> None:
     assert [e.claim for e in RATES if judge(e, off, scale_of(off)).verdict is Verdict.HOLDS] == []
 
 
-def test_the_rates_of_the_uneven_crank_are_derivatives(variables: Symbols) -> None:
-    """It accelerates, too: else the terms of alpha in (24) would not be tested."""
+def test_the_uneven_crank_accelerates(variables: Symbols) -> None:
+    """Else the terms of alpha in (24) would not be tested."""
     assert np.abs(variables["α"]).max() > 0.1 * np.abs(variables["ω"]).max() ** 2
-    drive = Uneven("crank", (0.0, 2.0), (0.0, 2 * np.pi), periodic=True)
-    times, step = np.linspace(0, 2, 50), 1e-4
-    before, now, after = (drive.at(times + k * step) for k in (-1, 0, 1))
-    assert np.abs((after.position - before.position) / (2 * step) - now.rate).max() < 1e-7  # of the differences
-    assert np.abs((after.rate - before.rate) / (2 * step) - now.acceleration).max() < 1e-7
-    assert after.position[-1] - after.position[0] == pytest.approx(2 * np.pi, abs=1e-12)
 
 
 def some(v: Symbols) -> tuple[NDArray[np.intp], list[second.Angle]]:
