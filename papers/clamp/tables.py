@@ -11,7 +11,7 @@ from scenes.model.motion import Samples
 from ..claims import OPEN, Claim, comparison, joined, number
 from . import formulas
 from .formulas import DEGREE, PUBLISHED
-from .measures import FINE, MEASURES, peak_valley
+from .measures import MEASURES
 from .printed import MEASURED, TABLE_1, TABLE_2
 from .rounding import Corners, Measured, one_for_all, sensitivity
 
@@ -27,7 +27,7 @@ QUANTITIES: Mapping[str, tuple[Measured, str]] = {
     "R_S": (MEASURES["R_S"].of, "with the signs of S_o's roots that hold"),
     "L_sum": (MEASURES["L_sum"].of, "mm"),
     "R_V max": (MEASURES["R_V max"].of, ""),
-    "R_V peak-valley": (lambda d: peak_valley(d, FINE), "read as the peak less the valley before it"),
+    "R_V peak-valley": (MEASURES["R_V peak-valley"].of, "read as the peak less the valley before it"),
     "R_V startup": (MEASURES["R_V start"].of, "read as R_V where the clamp starts to close"),
 }
 PEAK_VALLEY: Mapping[str, Callable[[Samples], float]] = {
