@@ -11,7 +11,8 @@ from compare.report.figures.style import colour, layout, marker
 from scenes import Failure, Motion, Sampling, Scene, load
 from scenes.elements.loads import Force
 
-from ..claims import Claim, Symbols, comparison, judge, largest, solved
+from ..claims import Claim, comparison, judge, largest, solved
+from ..written import Symbols
 from .equations import EQUATIONS, KINDS, VELOCITY_RATIO, moving, scale
 from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
 from .limits import constraints, largest_force_ratio

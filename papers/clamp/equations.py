@@ -8,8 +8,8 @@ import numpy as np
 from compare.mechanics.motion_vectors import MotionVectors
 from scenes import Motion, Scene
 
-from ..claims import Equation, Scale, Symbols
-from ..written import equation
+from ..claims import Scale
+from ..written import Equation, Symbols
 from .formulas import Design
 
 
@@ -51,7 +51,7 @@ def scale(v: Symbols) -> Scale:
 def formula(kind: str, name: str, left: str, text: str, corrected: str = "", **more: Any) -> Equation:
     """A printed formula as an equation: with `left`, what it gives, on its left side."""
     meant = f"{left} = {corrected}"
-    return equation(kind, f"eq {name}", text, corrected, read=f"{left} = {text}", meant=meant, **more)
+    return Equation(kind, f"eq {name}", text, corrected, read=f"{left} = {text}", meant=meant, **more)
 
 
 S_M = "(L₁+L₂) cos θ − L₁ cos(θ+α) − √(L₂² − [L₁ sin(α+θ) − (L₁+L₂) sin θ]²)"
@@ -62,7 +62,7 @@ M_P = "L₅ sin(α+θ+γ+φ) cos β / (L₁ sin(α+θ+β) cos φ)"
 
 VELOCITY_RATIO = formula("ratio", "R_V", "v_m / V_o", "L₁ sin(α+θ+β) cos φ / (L₅ sin(α+θ+γ+φ) cos β)")
 EQUATIONS = (
-    equation(
+    Equation(
         "length",
         "eq R_S",
         "S_m / S_o, as below",
@@ -84,7 +84,7 @@ EQUATIONS = (
     formula("rate", "omega_4", "ω₄", "V_o cos(α+θ+γ) / (L₄ sin(α+θ+γ+φ))"),
     formula("rate", "omega_2", "ω₂", "L₁ω₁ cos(α+θ) / (L₂ cos β)"),
     formula("rate²", "epsilon_1", "ε₁", "[L₅ω₁² cos(α+θ+γ+φ) − L₄ω₄²] / (L₅ sin(α+θ+γ+φ))", note="at constant V_o"),
-    equation(
+    Equation(
         "force ratio",
         "eq M_P",
         M_P,

@@ -19,8 +19,8 @@ from scenes import Motion, Scene, load
 from scenes.elements.loads import Force
 from scenes.model.motion import Samples
 
-from ..claims import EXACT, Claim, Difference, Scale, Symbols, Verdict, judge, largest, solved
-from ..written import equation
+from ..claims import EXACT, Claim, Scale, Verdict, judge, largest, solved
+from ..written import Difference, Equation, Symbols
 from .kinematics import bars
 
 SAMPLES = 24  # a turn: enough to separate equations that hold from others, for thousands of signs at once
@@ -34,7 +34,7 @@ COMPONENTS = {
     "rod": ("P4", "Ls₄", "m₄ S̈₄x", "m₄ S̈₄y", "J₄α₄"),
     "slider": ("P5", "", "", "m₅α₅", ""),
 }
-force, moment = (partial(equation, kind) for kind in ("force", "moment"))
+force, moment = (partial(Equation, kind) for kind in ("force", "moment"))
 
 EQUATIONS = (
     force("eq 28", "−F_RPx + F_RP2x = −m S̈x"),
@@ -147,7 +147,7 @@ def _signed(s: Symbols, signs: NDArray[np.float64]) -> Symbols:
 def _solved(s: Symbols) -> Claim:
     """The row of all equations at once, solved for the forces: how far the torque is off, or the worst force."""
     printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "M_d"))
-    corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
+    corrected = _unknowns(s, [e.corrected if e.correction else e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
     torque = largest(s["M_d"])
     off = largest(printed["M_d"] - s["M_d"]) / torque
     sizes = dict.fromkeys(FORCES, scale_of(s)["force"][0]) | {"M_d": torque}

@@ -17,8 +17,8 @@ from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion, load
 from scenes.laws import SegmentedLaw
 
-from ..claims import Scale, Symbols, solved
-from ..written import equation
+from ..claims import Scale, solved
+from ..written import Equation, Symbols
 
 SAMPLES = 720  # a turn
 LENGTHS = (77.0, 300.0, 490.0, 490.0, 760.0, 300.0)  # mm, as printed
@@ -64,7 +64,7 @@ def over_two_turns() -> Symbols:
 
 
 length, area, angle, speed, acceleration = (
-    partial(equation, kind) for kind in ("length", "area", "angle", "speed", "acceleration")
+    partial(Equation, kind) for kind in ("length", "area", "angle", "speed", "acceleration")
 )
 WITH_MINUS = ("with −√", "+ √", "− √")
 AB_1 = "A₁ = 2 l₁(l₀ cos θ + x), B₁ = 2 l₁(l₀ sin θ − y)"

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from papers.claims import EXACT, Claim, Symbols, Verdict, judge
+from papers.claims import EXACT, Claim, Verdict, judge
 from papers.toggle_press.claims import claims
 from papers.toggle_press.kinematics import POSITIONS, RATES, over_two_turns, scale_of
+from papers.written import Symbols
 
 from . import audit_transcription as second
 
@@ -59,9 +60,9 @@ def test_the_kinetostatic_verdicts(rows: dict[str, Claim]) -> None:
 def test_a_wrong_correction_is_no_correction(variables: Symbols) -> None:
     """The verdict follows from the residuals: exchange the forms, and it changes with them."""
     for equation in (*POSITIONS, *RATES):
-        if equation.corrected is not None:
-            right = replace(equation, printed=equation.corrected)
-            wrong = replace(equation, corrected=equation.printed)
+        if equation.correction:
+            right = replace(equation, text=equation.correction, read=equation.meant)
+            wrong = replace(equation, correction=equation.text, meant=equation.read)
             assert judge(right, variables, scale_of(variables)).verdict is Verdict.HOLDS
             assert judge(wrong, variables, scale_of(variables)).verdict is Verdict.NOT_REPRODUCIBLE
 
@@ -106,7 +107,7 @@ def test_roots_are_those_of_the_second_transcription(variables: Symbols) -> None
     at, angles = some(variables)
     roots = second.half_angle_roots(angles)
     eight = next(equation for equation in POSITIONS if equation.claim == "eq 8")
-    plus, minus = (eight.printed(variables)[at], eight.branches["with −√"](variables)[at])
+    plus, minus = (eight.printed(variables)[at], eight.branched(variables)[at])
     assert np.abs(np.exp(1j * (variables["θ₁"][at] - roots["eq 8"][1])) - 1).max() < 1e-12
     assert np.abs(np.exp(1j * (variables["θ₁"][at] - roots["eq 8"][0])) - np.exp(1j * plus)).max() < 1e-12
     assert np.abs(minus).max() < EXACT
