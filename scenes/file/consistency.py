@@ -95,7 +95,8 @@ def _of_lengths(body: Body, lengths: Collection[frozenset[str]]) -> Iterator[str
 
 def _of_drive(scene: Scene) -> Iterator[str]:
     drive, slides, instead = scene.drive, scene.driven_slide is not None, ""
-    key = {MotionLaw: "law", SegmentedLaw: "segments", HarmonicLaw: "harmonics"}.get(type(drive), "end")
+    keys: dict[type, str] = {MotionLaw: "law", SegmentedLaw: "segments", HarmonicLaw: "harmonics"}
+    key = keys.get(type(drive), "end")
     if isinstance(drive, MotionLaw):
         yield from _of_times(drive)
     if isinstance(drive, MotionLaw | SegmentedLaw):
