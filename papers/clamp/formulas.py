@@ -11,7 +11,7 @@ complex steps. A clamp that cannot be assembled gives NaN where it is real, and 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -69,8 +69,8 @@ class Pose:
         return self.theta + self.gamma + self.alpha
 
 
-def at(d: Design, alpha: Any) -> Pose:
-    """A design at alpha, with beta and phi from its closed loops."""
+def at(d: Design | Pose, alpha: Any) -> Pose:
+    """A design, or that of another pose, at alpha, with beta and phi from its closed loops."""
     with np.errstate(invalid="ignore"):
         beta = arcsin((d.L1 * sin(d.theta + alpha) - (d.L1 + d.L2) * sin(d.theta)) / d.L2)
         phi = arcsin(sine_phi(d, alpha))
@@ -82,7 +82,7 @@ def opened(d: Design) -> Pose:
     return at(d, d.alpha_max)
 
 
-def sine_phi(d: Design, alpha: Any) -> Array:
+def sine_phi(d: Design | Pose, alpha: Any) -> Array:
     """Return sin(phi), which is beyond -1..1 where DE is too short."""
     return np.asarray((d.Hb - d.L5 * sin(d.theta + d.gamma + alpha)) / d.L4)
 
@@ -106,24 +106,22 @@ def closed(d: Design) -> Design:
 
 def platen(p: Pose) -> Array:
     """Return x of C, from A."""
-    height = p.L1 * sin(p.bar) - (p.L1 + p.L2) * sin(p.theta)  # of B above C
-    return np.asarray(p.L1 * cos(p.bar) + sqrt(p.L2**2 - height**2))
+    return np.asarray(p.L1 * cos(p.bar) + p.L2 * cos(p.beta))
 
 
 def crosshead(p: Pose) -> Array:
     """Return x of E, from A; it is behind D, where S_o is printed with it ahead of D."""
-    with np.errstate(invalid="ignore"):
-        return np.asarray(p.L5 * cos(p.ear) - sqrt(p.L4**2 - (p.Hb - p.L5 * sin(p.ear)) ** 2))
+    return np.asarray(p.L5 * cos(p.ear) - p.L4 * cos(p.phi))
 
 
 def platen_stroke(p: Pose) -> Array:
     """Return S_m, the numerator of R_S, from a pose to the lock."""
-    return np.asarray((p.L1 + p.L2) * cos(p.theta) - platen(p))
+    return platen(at(p, 0.0)) - platen(p)
 
 
 def crosshead_stroke(p: Pose) -> Array:
     """Return S_o, the denominator of R_S, from a pose to the lock."""
-    return crosshead(replace(p, alpha=0.0)) - crosshead(p)
+    return crosshead(at(p, 0.0)) - crosshead(p)
 
 
 def stroke_ratio(d: Design) -> Array:

@@ -13,6 +13,7 @@ from .formulas import UNITS, Array, Design, assembles, third_length
 from .measures import MEASURES
 from .printed import TABLE_2
 
+COUNT = 2**8  # corners of the eight values that take part in the motion
 Measured: TypeAlias = Callable[[Design], Array]
 
 
@@ -21,8 +22,7 @@ class Corners:
     """A design of table 2 at face value, and at those corners of its rounding at which it can lock."""
 
     designs: Design  # values of shape (m,), the face value first
-    count: int  # of all corners, of the eight values that take part in the motion
-    locking: int
+    locking: int  # of the `COUNT` corners
 
     def over(self, quantity: Measured) -> tuple[float, Range]:
         """A quantity at face value, and its range over the rounding."""
@@ -42,8 +42,8 @@ def corners(name: str) -> Corners:
     signs = np.array([np.zeros(len(values)), *product((-1, 1), repeat=len(values))])
     d = Design(*(UNITS * (values + halves * signs)).T)
     locks = assembles(d)
-    half = len(signs) // 2  # L3 takes no part in the motion: every corner of the others stands here twice
-    return Corners(Design(*(of[locks] for of in d)), half, int(locks[1:].sum()) // 2)
+    # L3 takes no part in the motion: every corner of the others stands here twice.
+    return Corners(Design(*(of[locks] for of in d)), int(locks[1:].sum()) // 2)
 
 
 def sensitivity(name: str) -> Mapping[str, float]:

@@ -13,7 +13,7 @@ from . import formulas
 from .formulas import DEGREE, PUBLISHED
 from .measures import MEASURES
 from .printed import MEASURED, TABLE_1, TABLE_2
-from .rounding import Corners, Measured, one_for_all, sensitivity
+from .rounding import COUNT, Corners, Measured, one_for_all, sensitivity
 
 Spans: TypeAlias = Mapping[str, Mapping[str, float]]  # by reading, then by design, and `change`
 
@@ -150,8 +150,8 @@ def table_2(known: Mapping[str, Corners]) -> Iterator[Claim]:
         yield comparison(
             f"table 2 with its rounding, {name}",
             "a clamp that locks",
-            [True, design.locking == design.count],
-            f"{design.locking} of {design.count} corners of the rounding can lock",
+            [True, design.locking == COUNT],
+            f"{design.locking} of {COUNT} corners of the rounding can lock",
             "the others cannot where L₄ is shorter than H_b − L₅ sin(θ+γ); no range here is over such corners",
         )
 
