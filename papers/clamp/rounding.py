@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ..claims import Range, half_unit
-from .formulas import UNITS, Array, Design, assembles, third_length
+from .formulas import UNITS, Array, Design, assembles, closed
 from .measures import MEASURES
 from .printed import TABLE_2
 
@@ -64,20 +64,19 @@ def one_for_all(name: str, wanted: Sequence[tuple[Measured, str]]) -> dict[str, 
     target, units = (np.array([of(text) for _, text in wanted]) for of in (float, half_unit))
     n = len(centre)
 
-    def design(changes: Array) -> Design:
-        return Design(*(UNITS * (centre + halves * changes)))
+    def clamp(x: Array) -> Design:
+        """Return the clamp with other values by x, in half units, but with the L3 that closes it."""
+        return closed(Design(*(UNITS * (centre + halves * x[:n]))))
 
     def room(x: Array) -> Array:
         """Return by how much all stay within the most, the last of x, above and below, in half units."""
-        off = [*x[:n], *((np.array([quantity(design(x[:n])) for quantity, _ in wanted]) - target) / units)]
+        d = clamp(x)
+        numbers = np.array([quantity(d) for quantity, _ in wanted])
+        off = np.concatenate([(d / UNITS - centre) / halves, (numbers - target) / units])
         return np.concatenate([x[n] - off, x[n] + off])
 
-    def open_triangle(x: Array) -> float:
-        """Return by how much L3 is off, mm."""
-        return float(third_length(design(x[:n])) - design(x[:n]).L3)
-
-    constraints = [{"type": "ineq", "fun": room}, {"type": "eq", "fun": open_triangle}]
-    end = minimize(lambda x: x[n], np.append(np.zeros(n), 1.0), constraints=constraints, method="SLSQP")
+    start, within = np.append(np.zeros(n), 1.0), {"type": "ineq", "fun": room}
+    end = minimize(lambda x: x[n], start, constraints=within, method="SLSQP")
     if not (end.success and end.x[n] <= 1):
         return None
-    return dict(zip(Design._fields, (centre + halves * end.x[:n]).tolist(), strict=True))
+    return dict(zip(Design._fields, (clamp(end.x) / UNITS).tolist(), strict=True))
