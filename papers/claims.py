@@ -10,26 +10,24 @@
 | not reproducible | no form that was tried holds | it contradicts the model |
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from math import inf, nan
-from typing import Generic, TypeAlias, TypeVar
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.engines import registry
 from scenes import Motion, Sampling, Scene
-from scenes.model.motion import Samples
+
+from .written import Difference, Equation, Symbols
 
 EXACT = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
 OPEN = (True, False)  # a claim in words that gives nothing to check
 
-V = TypeVar("V")
 Range: TypeAlias = tuple[float, float]
 Scale: TypeAlias = Mapping[str, tuple[float, str]]  # and unit, SI, by kind of quantity
-Difference: TypeAlias = Samples | NDArray[np.complex128]  # of an equation's two sides
 
 
 class Verdict(StrEnum):
@@ -57,35 +55,20 @@ class Claim:
     note: str = ""
 
 
-@dataclass(frozen=True)
-class Equation(Generic[V]):
-    """A printed equation as the difference of its sides, shape (n,), beside its other branches and its correction."""
-
-    kind: str  # of quantity, which gives the scale
-    claim: str
-    text: str
-    printed: Callable[[V], Difference]
-    corrected_text: str = ""
-    corrected: Callable[[V], Difference] | None = None
-    branches: Mapping[str, Callable[[V], Difference]] = field(default_factory=dict)
-    note: str = ""
-
-
-def judge(equation: Equation[V], variables: V, scale: Scale, tolerance: float = EXACT) -> Claim:
+def judge(equation: Equation, variables: Symbols, scale: Scale, tolerance: float = EXACT) -> Claim:
     """The row of an equation over a motion; a form holds to the tolerance."""
     size, unit = scale[equation.kind]
     with np.errstate(invalid="ignore", divide="ignore"):  # a misprint may leave a root's domain, which is then its row
         printed = largest(equation.printed(variables)) / size
-        branches = {name: largest(form(variables)) / size for name, form in equation.branches.items()}
-        corrected = largest(equation.corrected(variables)) / size if equation.corrected is not None else None
-    text = equation.corrected_text
-    name, best = min(branches.items(), key=lambda branch: branch[1], default=("", inf))
+        branched = largest(equation.branched(variables)) / size
+        corrected = largest(equation.corrected(variables)) / size if equation.correction else None
+    text = equation.correction
     apart = float(f"{printed * size:.3g}")  # of which 15 digits show no power of ten unless it is small
     computed = f"the sides differ by up to {apart:.15g} {unit}".rstrip()
     if printed <= tolerance:
         verdict, text, corrected, computed = Verdict.HOLDS, "", None, "both sides agree"
-    elif best <= tolerance:
-        verdict, text, corrected = Verdict.WRONG_BRANCH, name, best
+    elif branched <= tolerance:
+        verdict, text, corrected = Verdict.WRONG_BRANCH, equation.branch[0], branched
     elif corrected is not None and corrected <= tolerance:
         verdict = Verdict.MISPRINT
     else:

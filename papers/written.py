@@ -3,64 +3,64 @@
 import re
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from math import tau
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .claims import Difference, Equation
-
+Symbols: TypeAlias = dict[str, Any]  # what an equation is about, as printed: each of one shape or a number
+Difference: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]  # of an equation's two sides
 FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
     **{"sin": np.sin, "cos": np.cos, "atan": np.arctan, "arccos": np.arccos, "√": np.sqrt},
     "e^i": lambda angle: np.exp(1j * angle),
 }
-NUMBERS: Mapping[str, Any] = {"0": 0.0, "2": 2.0, "i": 1j}
+NUMBERS: Mapping[str, Any] = {"0": 0.0, "1": 1.0, "2": 2.0, "i": 1j}
 INERTIA = r"m[₁-₅]? S̈[xy₁-₅]+|J[₀-₅]α[₁-₅]?|m₅[αg][₅ₛ]?"  # products with an acceleration
-Symbols: TypeAlias = Mapping[str, Any]  # what an equation is about, as printed: each of one shape or a number
-TOKEN = re.compile(rf"{INERTIA}|F_R\w+|M_d|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
+TOKEN = re.compile(rf"{INERTIA}|F_R\w+|\w_\w|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
 
 
-def equation(
-    kind: str,
-    claim: str,
-    text: str,
-    corrected: str = "",
-    *,
-    note: str = "",
-    read: str = "",
-    meant: str = "",
-    given: str = "",
-    branch: tuple[str, str, str] = ("", "", ""),
-) -> Equation[Any]:
-    """An equation of which every form is what its text is read as, unless that is `read` or `meant` as another text.
+@dataclass(frozen=True)
+class Equation:
+    """A printed equation: of each form the difference of its sides is what its text is read as.
 
     A text has two sides, sums of products of factors that stand side by side, before a colon a remark, and after commas
-    abbreviations or remarks. A function is of the factor after it. Abbreviations of other equations are `given`. A
-    `branch` has a name, and what it exchanges for what in the printed text.
+    abbreviations or remarks. A function is of the factor after it.
     """
 
-    def form(text: str) -> Callable[[Symbols], Difference]:
-        return _difference(f"{text}, {given}", modulo=tau if kind == "angle" else 0.0)
+    kind: str  # of quantity, which gives the scale
+    claim: str
+    text: str
+    correction: str = ""
+    note: str = ""
+    read: str = ""  # in place of the text
+    meant: str = ""  # in place of the correction
+    given: str = ""  # abbreviations of other equations
+    branch: tuple[str, str, str] = ("", "", "")  # its name, and what it exchanges for what in the text that is read
 
-    name, one, other = branch
-    branches = {name: form(text.replace(one, other))} if name else {}
-    right = form(meant or corrected) if corrected else None
-    return Equation(kind, claim, text, form(read or text), corrected, right, branches, note)
+    def printed(self, of: Symbols) -> Difference:
+        """The left side less the right one, as printed; but for whole turns of an angle."""
+        return self._difference(self.read or self.text, of)
 
+    def corrected(self, of: Symbols) -> Difference:
+        """The same as it should be, where there is a correction."""
+        return self._difference(self.meant or self.correction, of)
 
-def _difference(text: str, *, modulo: float) -> Callable[[Symbols], Difference]:
-    """The left side less the right one, perhaps but for multiples of something."""
-    parts = [part.split("=") for part in text.rpartition(": ")[2].split(", ") if "=" in part]
-    (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
+    def branched(self, of: Symbols) -> Difference:
+        """The same with another sign of a root or an inverse function, where there is such a branch."""
+        _, one, other = self.branch
+        return self._difference((self.read or self.text).replace(one, other), of)
 
-    def difference(of: Symbols) -> Difference:
-        values = dict(of)
+    def _difference(self, text: str, of: Symbols) -> Difference:
+        text = f"{text}, {self.given}".translate(str.maketrans("[]", "()")).rpartition(": ")[2]
+        parts = [part.split("=") for part in text.split(", ") if "=" in part]
+        (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
+        values = of.copy()
         for (name,), meaning in abbreviations:
             values[name] = _sum(deque(meaning), values)
         off = _sum(deque(left), values) - _sum(deque(right), values)
-        return np.asarray(np.remainder(off + modulo / 2, modulo) - modulo / 2 if modulo else off)
-
-    return difference
+        return np.asarray(np.remainder(off + tau / 2, tau) - tau / 2 if self.kind == "angle" else off)
 
 
 def _sum(tokens: deque[str], values: Symbols) -> Any:

@@ -17,7 +17,7 @@ from pydantic import Field, Strict
 from . import limits
 from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
-from .laws import LAWS, Driven, HarmonicLaw, Piece, Samples, SegmentedLaw
+from .laws import LAWS, Driven, HarmonicLaw, Law, Piece, Samples, SegmentedLaw
 
 __all__ = ["ConstantSpeed", "Drive", "DriveTable", "Driven", "HarmonicLaw", "MotionLaw", "Samples", "SegmentedLaw"]
 
@@ -68,7 +68,7 @@ class ConstantSpeed:
 
 
 @dataclass(frozen=True)
-class MotionLaw:
+class MotionLaw(Law):
     """A cubic spline through a table of positions against time; periodic, or not-a-knot at both ends.
 
     A periodic law goes on for ever: a crank's may gain whole turns in each period, and its rate and acceleration
@@ -90,19 +90,10 @@ class MotionLaw:
         """How long one cycle takes, s."""
         return self.times[-1]
 
-    @cached_property
-    def peak_rate(self) -> float:
-        """The largest |rate|, rad/s or m/s: of a spline's parabolas, at an end or where one peaks."""
-        peaks = self._spline.derivative(2).roots(extrapolate=False)
-        inside = peaks[np.isfinite(peaks) & (peaks > 0) & (peaks < self.cycle)]
-        return float(np.abs(self.at([*self.times, *inside]).rate).max())
-
-    @cached_property
-    def extent(self) -> tuple[float, float]:
-        """The least and the largest position of a cycle, rad or m: of a row, or where the rate is zero."""
-        turning = self._spline.derivative().solve(-self._trend, extrapolate=False)
-        positions = self.at([*self.times, *turning[np.isfinite(turning)]]).position
-        return float(positions.min()), float(positions.max())
+    def still(self, order: int) -> ArrayLike:
+        """The instants of the rows, s, and all of a cycle where the derivative of an order, 1 or 2, is zero."""
+        zeros = self._spline.derivative(order).solve(-self._trend if order == 1 else 0.0, extrapolate=False)
+        return [*self.times, *zeros[np.isfinite(zeros)]]
 
     @property
     def table(self) -> tuple[float, float]:
@@ -114,10 +105,6 @@ class MotionLaw:
         """How far the spline goes beyond the positions of its table, as a share of their range."""
         (low, high), (least, most) = self.extent, self.table
         return max(least - low, high - most) / (most - least)
-
-    def after(self, cycles: ArrayLike) -> Samples:
-        """The positions, rad or m, after numbers of cycles, whole or not, of any shape."""
-        return self.at(np.asarray(cycles, np.float64) * self.cycle).position
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""

@@ -6,7 +6,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate, pairwise
 from math import cos, gcd, inf, lcm, pi, sin
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -82,8 +82,37 @@ LAWS: Mapping[str, Sequence[Piece]] = {
 DWELL = [Piece(0.0, (0.0,), within=inf)]
 
 
+class Law(Protocol):
+    """What all motion laws have by the instants of a cycle at which they stand still, or are fastest."""
+
+    @property
+    def cycle(self) -> float:
+        """How long one cycle takes, s."""
+
+    def at(self, time: ArrayLike) -> Driven:
+        """What the drive asks for at instants of any shape, s, before zero and after the end too."""
+
+    def still(self, order: int) -> ArrayLike:
+        """Instants of a cycle, s, among them its ends and all where the first or the second derivative is zero."""
+
+    @cached_property
+    def peak_rate(self) -> float:
+        """The largest |rate|, rad/s or m/s."""
+        return float(np.abs(self.at(self.still(2)).rate).max())
+
+    @cached_property
+    def extent(self) -> tuple[float, float]:
+        """The least and the largest position of a cycle, rad or m."""
+        positions = self.at(self.still(1)).position
+        return float(positions.min()), float(positions.max())
+
+    def after(self, cycles: ArrayLike) -> Samples:
+        """The positions, rad or m, after numbers of cycles, whole or not, of any shape."""
+        return self.at(np.asarray(cycles, np.float64) * self.cycle).position
+
+
 @dataclass(frozen=True)
-class SegmentedLaw:
+class SegmentedLaw(Law):
     """Segments in a row, at rest before and after; or periodic, for ever, where each period may gain whole turns.
 
     What an instant on a boundary has is the later segment's; at the end of what is not periodic the last one's.
@@ -111,15 +140,9 @@ class SegmentedLaw:
         """How long one cycle takes, s."""
         return self.boundaries[-1]
 
-    @cached_property
-    def peak_rate(self) -> float:
-        """The largest |rate|, rad/s or m/s: every law has its own half-way."""
-        return float(np.abs(self.at([(one + other) / 2 for one, other in pairwise(self.boundaries)]).rate).max())
-
-    @property
-    def extent(self) -> tuple[float, float]:
-        """The least and the largest position of a cycle, rad or m: no law turns back."""
-        return min(self.positions), max(self.positions)
+    def still(self, order: int) -> ArrayLike:
+        """The boundaries, s, since no law turns back, or for the second the middles, where all are fastest."""
+        return self.boundaries if order == 1 else [(one + other) / 2 for one, other in pairwise(self.boundaries)]
 
     @cached_property
     def pieces(self) -> Sequence[Piece]:
@@ -136,10 +159,6 @@ class SegmentedLaw:
         gain = self.positions[-1] - self.positions[0]
         every = [piece.moved(n * self.cycle, n * gain) for n in range(cycles + 1) for piece in self.pieces]
         return every[: cycles * len(self.pieces) + self.periodic]
-
-    def after(self, cycles: ArrayLike) -> Samples:
-        """The positions, rad or m, after numbers of cycles, whole or not, of any shape."""
-        return self.at(np.asarray(cycles, np.float64) * self.cycle).position
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""
@@ -161,7 +180,7 @@ class SegmentedLaw:
 
 
 @dataclass(frozen=True)
-class HarmonicLaw:
+class HarmonicLaw(Law):
     """A sum of sines about a position, for ever; its cycle is their least common period."""
 
     body: str
@@ -198,28 +217,13 @@ class HarmonicLaw:
         """The position when time is zero, rad or m."""
         return float(self.at(0.0).position)
 
-    @cached_property
-    def peak_rate(self) -> float:
-        """The largest |rate|, rad/s or m/s."""
-        return float(np.abs(self.at(self._still(2)).rate).max())
-
-    @cached_property
-    def extent(self) -> tuple[float, float]:
-        """The least and the largest position of a cycle, rad or m."""
-        positions = self.at(self._still(1)).position
-        return float(positions.min()), float(positions.max())
-
-    def _still(self, order: int) -> Samples:
+    def still(self, order: int) -> ArrayLike:
         """Instants, s, with all of a cycle where the derivative of an order is zero: a polynomial of exp(i w t)."""
         c = np.zeros(max(self.multiples) + 1, complex)
         for size, n, phase in zip(self.amplitudes, self.multiples, self.phases, strict=True):
             c[n] += size * n**order * np.exp(1j * (phase + (order - 1) * pi / 2))
         z = np.roots([*c[:0:-1], 0.0, *c[1:].conj()])
         return np.append(0.0, np.angle(z) / (2 * pi) * self.cycle)  # of sines that cancel there are no roots
-
-    def after(self, cycles: ArrayLike) -> Samples:
-        """The positions, rad or m, after numbers of cycles, whole or not, of any shape."""
-        return self.at(np.asarray(cycles, np.float64) * self.cycle).position
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s."""

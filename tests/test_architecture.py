@@ -10,7 +10,6 @@ import pytest
 from analytic import engine as analytic
 from compare.engines import registry
 from scenes import Engine
-from scenes.model.engine import Module
 from sim_models.casadi import engine as casadi
 from sim_models.exudyn import engine as exudyn
 from sim_models.mujoco import engine as mujoco
@@ -108,8 +107,7 @@ ENGINES: tuple[Engine[Any], ...] = (analytic, exudyn, pymunk, casadi, mujoco, pi
 
 
 def test_every_engine_has_all_of_the_protocol() -> None:
-    parts = (part for each in (Module, Engine) for part in (vars(each), each.__annotations__))
-    members = {name for part in parts for name in part if not name.startswith("_")}
+    members = {name for name in (*vars(Engine), *Engine.__annotations__) if not name.startswith("_")}
     assert {"DEFAULT", "at_steps", "build"} < members
     assert [registry.engine(name) for name, entry in registry.ENTRIES.items() if not entry.outside] == [*ENGINES]
     for engine in ENGINES:

@@ -1,7 +1,7 @@
 """Double-toggle clamp: all claims of its source, by the reference's loops and by the engines; and its pictures."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from scenes import Failure, Motion, Sampling, Scene, load
 from scenes.elements.loads import Force
 
 from ..claims import Claim, comparison, judge, largest, solved
-from .equations import EQUATIONS, KINDS, Moving, moving, scale
+from ..written import Symbols
+from .equations import EQUATIONS, KINDS, VELOCITY_RATIO, moving, scale
 from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
 from .limits import constraints, largest_force_ratio
 from .printed import SCENES, TABLE_1, TABLE_2
@@ -64,9 +65,9 @@ def _by_engine(engine: str) -> Iterator[Claim]:
             tolerance = max(group[KINDS[equation.kind][0]] for group in tolerances)
             row = judge(equation, v, scale(v), tolerance)
             yield replace(row, claim=f"{row.claim}, {engine}", note=f"to {engine}'s tolerance of {tolerance:.0e}")
-    ratio, way = v.vm / v.Vo, slice(ENGINE_SAMPLES, None)  # of scheme 4, the second
-    open_ratio = float(v.Sm[way][0] / v.So[way][0])
-    off = largest(ratio - velocity_ratio(v))
+    ratio, way = v["v_m"] / v["V_o"], slice(ENGINE_SAMPLES, None)  # of scheme 4, the second
+    open_ratio = float(v["S_m"][way][0] / v["S_o"][way][0])
+    off = largest(VELOCITY_RATIO.printed(v))
     yield comparison(
         f"simulated R_V, as ADAMS, {engine}",
         "within 1.2 %",
@@ -76,14 +77,14 @@ def _by_engine(engine: str) -> Iterator[Claim]:
     )
 
 
-def over_strokes(solve: Callable[[Scene], Motion]) -> Moving:
-    """The clamp's variables over the strokes of both designs, one after the other."""
+def over_strokes(solve: Callable[[Scene], Motion]) -> Symbols:
+    """The clamp's symbols over the strokes of both designs, one after the other."""
     parts = []
     for name, d in PUBLISHED.items():
         scene = load(SCENES[name])
         loaded = replace(scene, loads=(Force("platen", "C", (-FORCE, 0.0)),))
         parts.append(moving(scene, d, solve(loaded), solve(replace(scene, loads=())), FORCE))
-    return Moving(*(np.concatenate([getattr(p, field.name) for p in parts]) for field in fields(Moving)))
+    return {symbol: np.concatenate([part[symbol] for part in parts]) for symbol in parts[0]}
 
 
 def figures() -> Iterator[tuple[str, str, Figure]]:

@@ -1,60 +1,35 @@
 """Double-toggle clamp: the printed formulas as equations on its motion, which has what they need of each other."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import partial
+from typing import Any
 
 import numpy as np
 
 from compare.mechanics.motion_vectors import MotionVectors
 from scenes import Motion, Scene
-from scenes.model.motion import Samples
 
-from ..claims import Equation, Scale
-from . import formulas
-from .formulas import Design, Pose
-
-
-@dataclass(frozen=True)
-class Moving(Pose):
-    """The clamp in motion, SI; every array of shape (n,)."""
-
-    Vo: Samples
-    w1: Samples
-    w2: Samples
-    w4: Samples
-    e1: Samples
-    vm: Samples
-    am: Samples
-    Sm: Samples  # the platen's way to the lock
-    So: Samples  # the crosshead's
-    Po_Pm: Samples  # what a force on the platen adds to the drive's, by that force
+from ..claims import Scale
+from ..written import Equation, Symbols
+from .formulas import Design
 
 
-def moving(scene: Scene, d: Design, loaded: Motion, free: Motion, force: float) -> Moving:
-    """The clamp in a motion, given also as it is with a force, N, against the platen; without the last sample."""
-    # In the last sample it locks, where M_P is infinite.
+def moving(scene: Scene, d: Design, loaded: Motion, free: Motion, force: float) -> Symbols:
+    """The source's symbols, SI, in a motion, given also as it is with a force, N, against the platen; shape (n,).
+
+    S_m and S_o are the ways to the lock, P_o what P_m adds to the drive's force.
+    """
     state = MotionVectors(scene, free)
-    place = {point: state.point(point)[0] for point in "ABCDE"}
+    A, B, C, D, E = (state.point(point)[0] for point in "ABCDE")
     x_m, x_o = free["C.x"], free["E.x"]
-    values = (
-        *(np.full_like(x_m, 1e-3 * length) for length in (d.L1, d.L2, d.L4, d.L5, d.Hb)),
-        *(np.full_like(x_m, angle) for angle in (d.theta, d.gamma)),
-        np.angle(place["B"] - place["A"]) - d.theta,
-        -np.angle(place["C"] - place["B"]),
-        -np.angle(place["D"] - place["E"]),
-        free["E.vx"],
-        -free["rear_link.omega"],
-        free["front_link.omega"],
-        -free["crosshead_link.omega"],
-        -free["rear_link.alpha"],
-        free["C.vx"],
-        free["C.ax"],
-        x_m[-1] - x_m,
-        x_o[-1] - x_o,
-        (loaded["drive.force"] - free["drive.force"]) / force,
-    )
-    return Moving(*(value[:-1] for value in values))
+    symbols = {f"L{index}": 1e-3 * length for index, length in zip("₁₂₄₅", (d.L1, d.L2, d.L4, d.L5), strict=True)}
+    symbols |= {"H_b": 1e-3 * d.Hb, "θ": d.theta, "γ": d.gamma}
+    symbols |= {"α": np.angle(B - A) - d.theta, "β": -np.angle(C - B), "φ": -np.angle(D - E)}
+    symbols |= {"ω₁": -free["rear_link.omega"], "ω₂": free["front_link.omega"], "ω₄": -free["crosshead_link.omega"]}
+    symbols |= {"ε₁": -free["rear_link.alpha"], "v_m": free["C.vx"], "a_m": free["C.ax"], "V_o": free["E.vx"]}
+    symbols |= {"S_m": x_m[-1] - x_m, "S_o": x_o[-1] - x_o}
+    symbols |= {"P_m": force, "P_o": loaded["drive.force"] - free["drive.force"]}
+    # In the last sample it locks, where M_P is infinite.
+    return {symbol: np.broadcast_to(value, x_m.shape)[:-1] for symbol, value in symbols.items()}
 
 
 KINDS: Mapping[str, tuple[str, str, int, int]] = {
@@ -65,62 +40,55 @@ KINDS: Mapping[str, tuple[str, str, int, int]] = {
     "acceleration": ("acceleration", "m/s²", -1, 2),
     "force ratio": ("force", "", 0, 0),
 }  # of quantities: the group of the scenes' tolerances, the unit, and the powers of L1 and V_o in the scale
-length, ratio, rate, rate_squared, acceleration, force = (partial(Equation[Moving], kind) for kind in KINDS)
 
 
-def scale(v: Moving) -> Scale:
+def scale(v: Symbols) -> Scale:
     """Return scale and unit of each kind of quantity."""
-    L, V = float(v.L1.max()), float(v.Vo.max())
+    L, V = float(v["L₁"].max()), float(v["V_o"].max())
     return {kind: (L**of_L * V**of_V, unit) for kind, (_, unit, of_L, of_V) in KINDS.items()}
 
 
+def formula(kind: str, name: str, left: str, text: str, corrected: str = "", **more: Any) -> Equation:
+    """A printed formula as an equation: with `left`, what it gives, on its left side."""
+    meant = f"{left} = {corrected}"
+    return Equation(kind, f"eq {name}", text, corrected, read=f"{left} = {text}", meant=meant, **more)
+
+
+S_M = "(L₁+L₂) cos θ − L₁ cos(θ+α) − √(L₂² − [L₁ sin(α+θ) − (L₁+L₂) sin θ]²)"
+LOCKED = "√(L₄² − [H_b − L₅ sin(θ+γ)]²)"
+S_O = f"L₅[cos(γ+θ) − cos(α+γ+θ)] + {LOCKED} − √(L₄² − [H_b − L₅ sin(θ+γ+α)]²)"
+OTHER_ROOTS = (f"+ {LOCKED} −", f"− {LOCKED} +")
+M_P = "L₅ sin(α+θ+γ+φ) cos β / (L₁ sin(α+θ+β) cos φ)"
+
+VELOCITY_RATIO = formula("ratio", "R_V", "v_m / V_o", "L₁ sin(α+θ+β) cos φ / (L₅ sin(α+θ+γ+φ) cos β)")
 EQUATIONS = (
-    length(
+    Equation(
+        "length",
         "eq R_S",
         "S_m / S_o, as below",
-        lambda v: v.Sm / v.So * formulas.crosshead_stroke(v, +1) - formulas.platen_stroke(v),
-        branches={
-            "with − before S_o's pair of roots": lambda v: (
-                v.Sm / v.So * formulas.crosshead_stroke(v, -1) - formulas.platen_stroke(v)
-            )
-        },
+        read=f"S_m / S_o ({S_O}) = {S_M}",
+        branch=("with − before S_o's pair of roots", *OTHER_ROOTS),
         note="judged by R_S S_o = S_m, for every way to the lock",
     ),
-    length(
-        "eq R_S, S_m",
-        "(L₁+L₂) cos θ − L₁ cos(θ+α) − √(L₂² − [L₁ sin(α+θ) − (L₁+L₂) sin θ]²)",
-        lambda v: v.Sm - formulas.platen_stroke(v, +1),
-        branches={"with + before the root": lambda v: v.Sm - formulas.platen_stroke(v, -1)},
-    ),
-    length(
-        "eq R_S, S_o",
-        "L₅[cos(γ+θ) − cos(α+γ+θ)] + √(L₄² − [H_b − L₅ sin(θ+γ)]²) − √(L₄² − [H_b − L₅ sin(θ+γ+α)]²)",
-        lambda v: v.So - formulas.crosshead_stroke(v, +1),
-        branches={"with −√ + √: the crosshead keeps behind D": lambda v: v.So - formulas.crosshead_stroke(v, -1)},
-    ),
-    ratio(
-        "eq R_V", "L₁ sin(α+θ+β) cos φ / (L₅ sin(α+θ+γ+φ) cos β)", lambda v: v.vm / v.Vo - formulas.velocity_ratio(v)
-    ),
-    acceleration(
-        "eq a_m",
+    formula("length", "R_S, S_m", "S_m", S_M, branch=("with + before the root", "− √", "+ √")),
+    formula("length", "R_S, S_o", "S_o", S_O, branch=("with −√ + √: the crosshead keeps behind D", *OTHER_ROOTS)),
+    VELOCITY_RATIO,
+    formula(
+        "acceleration",
+        "a_m",
+        "a_m",
         "L₁ε₁ sin(α+θ+β) − L₁ω₁² cos(α+θ+β) − L₂ω₂² cos β",
-        lambda v: v.am - formulas.platen_acceleration(v, v.w1, v.w2, v.e1, printed=True),
         "[L₁ε₁ sin(α+θ+β) − L₁ω₁² cos(α+θ+β) − L₂ω₂²] / cos β",
-        lambda v: v.am - formulas.platen_acceleration(v, v.w1, v.w2, v.e1),
     ),
-    rate("eq omega_1", "V_o cos φ / (L₅ sin(α+θ+γ+φ))", lambda v: v.w1 - formulas.omega_1(v, v.Vo)),
-    rate("eq omega_4", "V_o cos(α+θ+γ) / (L₄ sin(α+θ+γ+φ))", lambda v: v.w4 - formulas.omega_4(v, v.Vo)),
-    rate("eq omega_2", "L₁ω₁ cos(α+θ) / (L₂ cos β)", lambda v: v.w2 - formulas.omega_2(v, v.w1)),
-    rate_squared(
-        "eq epsilon_1",
-        "[L₅ω₁² cos(α+θ+γ+φ) − L₄ω₄²] / (L₅ sin(α+θ+γ+φ))",
-        lambda v: v.e1 - formulas.epsilon_1(v, v.w1, v.w4),
-        note="at constant V_o",
-    ),
-    force(
+    formula("rate", "omega_1", "ω₁", "V_o cos φ / (L₅ sin(α+θ+γ+φ))"),
+    formula("rate", "omega_4", "ω₄", "V_o cos(α+θ+γ) / (L₄ sin(α+θ+γ+φ))"),
+    formula("rate", "omega_2", "ω₂", "L₁ω₁ cos(α+θ) / (L₂ cos β)"),
+    formula("rate²", "epsilon_1", "ε₁", "[L₅ω₁² cos(α+θ+γ+φ) − L₄ω₄²] / (L₅ sin(α+θ+γ+φ))", note="at constant V_o"),
+    Equation(
+        "force ratio",
         "eq M_P",
-        "L₅ sin(α+θ+γ+φ) cos β / (L₁ sin(α+θ+β) cos φ)",
-        lambda v: v.Po_Pm - 1 / formulas.force_ratio(v),
+        M_P,
+        read=f"P_o / P_m = 1 / ({M_P})",
         note="judged by 1/M_P, which is finite in the lock too",
     ),
 )

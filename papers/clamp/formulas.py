@@ -1,4 +1,4 @@
-"""Double-toggle clamp: its formulas, each once; those that are misprinted both as printed and as they should be.
+"""Double-toggle clamp: its formulas as they should be, and a_m as printed too; `equations` has each as printed.
 
 The rear link A-B-D turns about A, with AB = L1, AD = L5 and the angle gamma between them; the front link BC = L2 pushes
 the platen, the link DE = L4 is pushed by the crosshead, whose guide is Hb beside A. AB stands at theta + alpha, alpha
@@ -11,7 +11,7 @@ complex steps. A clamp that cannot be assembled gives NaN where it is real, and 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -69,8 +69,8 @@ class Pose:
         return self.theta + self.gamma + self.alpha
 
 
-def at(d: Design, alpha: Any) -> Pose:
-    """A design at alpha, with beta and phi from its closed loops."""
+def at(d: Design | Pose, alpha: Any) -> Pose:
+    """A design, or that of another pose, at alpha, with beta and phi from its closed loops."""
     with np.errstate(invalid="ignore"):
         beta = arcsin((d.L1 * sin(d.theta + alpha) - (d.L1 + d.L2) * sin(d.theta)) / d.L2)
         phi = arcsin(sine_phi(d, alpha))
@@ -82,7 +82,7 @@ def opened(d: Design) -> Pose:
     return at(d, d.alpha_max)
 
 
-def sine_phi(d: Design, alpha: Any) -> Array:
+def sine_phi(d: Design | Pose, alpha: Any) -> Array:
     """Return sin(phi), which is beyond -1..1 where DE is too short."""
     return np.asarray((d.Hb - d.L5 * sin(d.theta + d.gamma + alpha)) / d.L4)
 
@@ -104,26 +104,24 @@ def closed(d: Design) -> Design:
     return d._replace(L3=third_length(d))
 
 
-def platen(p: Pose, root: int = 1) -> Array:
-    """Return x of C, from A; with the other root C is behind B."""
-    height = p.L1 * sin(p.bar) - (p.L1 + p.L2) * sin(p.theta)  # of B above C
-    return np.asarray(p.L1 * cos(p.bar) + root * sqrt(p.L2**2 - height**2))
+def platen(p: Pose) -> Array:
+    """Return x of C, from A."""
+    return np.asarray(p.L1 * cos(p.bar) + p.L2 * cos(p.beta))
 
 
-def crosshead(p: Pose, root: int = -1) -> Array:
-    """Return x of E, from A; with the other root E is ahead of D, as S_o is printed."""
-    with np.errstate(invalid="ignore"):
-        return np.asarray(p.L5 * cos(p.ear) + root * sqrt(p.L4**2 - (p.Hb - p.L5 * sin(p.ear)) ** 2))
+def crosshead(p: Pose) -> Array:
+    """Return x of E, from A; it is behind D, where S_o is printed with it ahead of D."""
+    return np.asarray(p.L5 * cos(p.ear) - p.L4 * cos(p.phi))
 
 
-def platen_stroke(p: Pose, root: int = 1) -> Array:
-    """Return S_m, the numerator of R_S, from a pose to the lock; printed with the root's sign +1."""
-    return np.asarray((p.L1 + p.L2) * cos(p.theta) - platen(p, root))
+def platen_stroke(p: Pose) -> Array:
+    """Return S_m, the numerator of R_S, from a pose to the lock."""
+    return platen(at(p, 0.0)) - platen(p)
 
 
-def crosshead_stroke(p: Pose, root: int = -1) -> Array:
-    """Return S_o, the denominator of R_S, from a pose to the lock; printed with the roots' sign +1."""
-    return crosshead(replace(p, alpha=0.0), root) - crosshead(p, root)
+def crosshead_stroke(p: Pose) -> Array:
+    """Return S_o, the denominator of R_S, from a pose to the lock."""
+    return crosshead(at(p, 0.0)) - crosshead(p)
 
 
 def stroke_ratio(d: Design) -> Array:
@@ -132,46 +130,18 @@ def stroke_ratio(d: Design) -> Array:
 
 
 def velocity_ratio(p: Pose) -> Array:
-    """Return R_V = v_m / v_o, as printed."""
+    """Return R_V = v_m / v_o; its reciprocal is M_P = P_m / P_o, by virtual work."""
     return np.asarray(p.L1 * sin(p.bar + p.beta) * cos(p.phi) / (p.L5 * sin(p.ear + p.phi) * cos(p.beta)))
 
 
-def force_ratio(p: Pose) -> Array:
-    """Return M_P = P_m / P_o, as printed: the reciprocal of R_V, by virtual work."""
-    return np.asarray(p.L5 * sin(p.ear + p.phi) * cos(p.beta) / (p.L1 * sin(p.bar + p.beta) * cos(p.phi)))
-
-
-def omega_1(p: Pose, Vo: Any) -> Array:
-    """The rate of the rear link, as printed."""
-    return np.asarray(Vo * cos(p.phi) / (p.L5 * sin(p.ear + p.phi)))
-
-
-def omega_4(p: Pose, Vo: Any) -> Array:
-    """The rate of the crosshead's link, as printed."""
-    return np.asarray(Vo * cos(p.ear) / (p.L4 * sin(p.ear + p.phi)))
-
-
-def omega_2(p: Pose, w1: Any) -> Array:
-    """The rate of the front link, as printed."""
-    return np.asarray(p.L1 * w1 * cos(p.bar) / (p.L2 * cos(p.beta)))
-
-
-def epsilon_1(p: Pose, w1: Any, w4: Any) -> Array:
-    """The acceleration of the rear link at constant V_o, as printed."""
-    return np.asarray((p.L5 * w1**2 * cos(p.ear + p.phi) - p.L4 * w4**2) / (p.L5 * sin(p.ear + p.phi)))
-
-
-def platen_acceleration(p: Pose, w1: Any, w2: Any, e1: Any, *, printed: bool = False) -> Array:
-    """Return a_m from the rates, as it is printed, or as it should be."""
+def acceleration(p: Pose, Vo: float = 1.0, *, printed: bool = False) -> Array:
+    """Return a_m at a constant speed of the crosshead, corrected or as printed; at speed one that is a_m / v_o^2."""
+    w1, w4 = (Vo * of / sin(p.ear + p.phi) for of in (cos(p.phi) / p.L5, cos(p.ear) / p.L4))  # of the links at A and E
+    w2 = p.L1 * w1 * cos(p.bar) / (p.L2 * cos(p.beta))
+    e1 = (p.L5 * w1**2 * cos(p.ear + p.phi) - p.L4 * w4**2) / (p.L5 * sin(p.ear + p.phi))
     of_B = p.L1 * e1 * sin(p.bar + p.beta) - p.L1 * w1**2 * cos(p.bar + p.beta)
     of_C = p.L2 * w2**2
     return np.asarray(of_B - of_C * cos(p.beta) if printed else (of_B - of_C) / cos(p.beta))
-
-
-def acceleration(p: Pose, Vo: float = 1.0, *, printed: bool = False) -> Array:
-    """Return a_m at a constant speed of the crosshead; at speed one that is a_m / v_o^2."""
-    w1, w4 = omega_1(p, Vo), omega_4(p, Vo)
-    return platen_acceleration(p, w1, omega_2(p, w1), epsilon_1(p, w1, w4), printed=printed)
 
 
 # --- the designs of table 2, with the L3 that closes -----------------------------------------------------------------

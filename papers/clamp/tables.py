@@ -11,9 +11,9 @@ from scenes.model.motion import Samples
 from ..claims import OPEN, Claim, comparison, joined, number
 from . import formulas
 from .formulas import DEGREE, PUBLISHED
-from .measures import FINE, MEASURES, peak_valley
+from .measures import MEASURES
 from .printed import MEASURED, TABLE_1, TABLE_2
-from .rounding import Corners, Measured, one_for_all, sensitivity
+from .rounding import COUNT, Corners, Measured, one_for_all, sensitivity
 
 Spans: TypeAlias = Mapping[str, Mapping[str, float]]  # by reading, then by design, and `change`
 
@@ -27,7 +27,7 @@ QUANTITIES: Mapping[str, tuple[Measured, str]] = {
     "R_S": (MEASURES["R_S"].of, "with the signs of S_o's roots that hold"),
     "L_sum": (MEASURES["L_sum"].of, "mm"),
     "R_V max": (MEASURES["R_V max"].of, ""),
-    "R_V peak-valley": (lambda d: peak_valley(d, FINE), "read as the peak less the valley before it"),
+    "R_V peak-valley": (MEASURES["R_V peak-valley"].of, "read as the peak less the valley before it"),
     "R_V startup": (MEASURES["R_V start"].of, "read as R_V where the clamp starts to close"),
 }
 PEAK_VALLEY: Mapping[str, Callable[[Samples], float]] = {
@@ -150,8 +150,8 @@ def table_2(known: Mapping[str, Corners]) -> Iterator[Claim]:
         yield comparison(
             f"table 2 with its rounding, {name}",
             "a clamp that locks",
-            [True, design.locking == design.count],
-            f"{design.locking} of {design.count} corners of the rounding can lock",
+            [True, design.locking == COUNT],
+            f"{design.locking} of {COUNT} corners of the rounding can lock",
             "the others cannot where L₄ is shorter than H_b − L₅ sin(θ+γ); no range here is over such corners",
         )
 

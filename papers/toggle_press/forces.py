@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +19,8 @@ from scenes import Motion, Scene, load
 from scenes.elements.loads import Force
 from scenes.model.motion import Samples
 
-from ..claims import EXACT, Claim, Difference, Scale, Verdict, judge, largest, solved
-from ..written import equation
+from ..claims import EXACT, Claim, Scale, Verdict, judge, largest, solved
+from ..written import Difference, Equation, Symbols
 from .kinematics import bars
 
 SAMPLES = 24  # a turn: enough to separate equations that hold from others, for thousands of signs at once
@@ -35,8 +34,7 @@ COMPONENTS = {
     "rod": ("P4", "Ls₄", "m₄ S̈₄x", "m₄ S̈₄y", "J₄α₄"),
     "slider": ("P5", "", "", "m₅α₅", ""),
 }
-Statics: TypeAlias = dict[str, Any]  # the paper's symbols, SI; forces of shape (n,), or (m, n) for m choices of signs
-force, moment = (partial(equation, kind) for kind in ("force", "moment"))
+force, moment = (partial(Equation, kind) for kind in ("force", "moment"))
 
 EQUATIONS = (
     force("eq 28", "−F_RPx + F_RP2x = −m S̈x"),
@@ -105,19 +103,19 @@ def claims() -> Iterator[Claim]:
     yield _solved(chosen)
 
 
-def scale_of(s: Statics) -> Scale:
+def scale_of(s: Symbols) -> Scale:
     """Scale and unit of each kind of equation: the largest force, and that times l1 = 300 mm."""
     force = max(largest(s[name]) for name in FORCES)
     return {"force": (force, "N"), "moment": (force * s["L₁"], "N m")}
 
 
-def statics(scene: Scene, motion: Motion) -> Statics:
-    """The statics of the toggle press in a motion, with the reference's signs; Ls₂ and φ, which are not given, zero."""
+def statics(scene: Scene, motion: Motion) -> Symbols:
+    """The symbols of statics, SI, in a motion, with the reference's signs; not Ls₂ and φ, which are not given."""
     state = MotionVectors(scene, motion)
     place = {point: state.point(point)[0] for point in ("O", *(f"P{k}" for k in range(1, 6)))}
     (resistance,) = (load for load in scene.loads if isinstance(load, Force))
     Q = np.full_like(motion["time"], resistance.force[1])
-    symbols: Statics = {name: motion[f"{CHANNELS[name[2:-1]]}.f{name[-1]}"] for name in FORCES}
+    symbols: Symbols = {name: motion[f"{CHANNELS[name[2:-1]]}.f{name[-1]}"] for name in FORCES}
     # The guide's force is that on the slider to the left, hence of the slider to the right.
     symbols |= {"M_d": motion["drive.torque"], "N": motion["slider.guide_force"], "Q": Q, "F": Q}
     for name, (first, Ls, mx, my, J) in COMPONENTS.items():
@@ -134,8 +132,8 @@ def statics(scene: Scene, motion: Motion) -> Statics:
     return symbols | {"θ": symbols["θ₀"], "m₅αₛ": symbols["m₅α₅"], "m₅g": weight}
 
 
-def _signed(s: Statics, signs: NDArray[np.float64]) -> Statics:
-    """With other signs of `FORCES` and of Q, the last, and the Ls₂ and φ that fit (30.3) best."""
+def _signed(s: Symbols, signs: NDArray[np.float64]) -> Symbols:
+    """With m choices of signs of `FORCES` and of Q, the last, shape (m, n), and the Ls₂ and φ that fit (30.3) best."""
     s = s | {name: sign * s[name] for name, sign in zip((*FORCES, "Q"), signs, strict=True)}
     s["F"] = s["Q"]
     (toggle,) = (e.printed for e in EQUATIONS if e.claim == "eq 30.3")
@@ -146,10 +144,10 @@ def _signed(s: Statics, signs: NDArray[np.float64]) -> Statics:
     return s | {"Ls₂": np.hypot(x, y), "φ": np.arctan2(y, x)}
 
 
-def _solved(s: Statics) -> Claim:
+def _solved(s: Symbols) -> Claim:
     """The row of all equations at once, solved for the forces: how far the torque is off, or the worst force."""
     printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "M_d"))
-    corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
+    corrected = _unknowns(s, [e.corrected if e.correction else e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
     torque = largest(s["M_d"])
     off = largest(printed["M_d"] - s["M_d"]) / torque
     sizes = dict.fromkeys(FORCES, scale_of(s)["force"][0]) | {"M_d": torque}
@@ -166,7 +164,7 @@ def _solved(s: Statics) -> Claim:
     )
 
 
-def _unknowns(s: Statics, forms: Sequence[Callable[[Statics], Difference]], names: Sequence[str]) -> dict[str, Samples]:
+def _unknowns(s: Symbols, forms: Sequence[Callable[[Symbols], Difference]], names: Sequence[str]) -> dict[str, Samples]:
     """The unknowns that satisfy linear equations best, each of shape (n,)."""
     still = np.zeros_like(s["Q"])
 

@@ -12,31 +12,18 @@ from math import tau
 from typing import Any
 
 import numpy as np
-from numpy import cos, sin
-from numpy.typing import ArrayLike
 
 from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion, load
-from scenes.drive import Driven, MotionLaw
+from scenes.laws import SegmentedLaw
 
 from ..claims import Scale, solved
-from ..written import Symbols, equation
+from ..written import Equation, Symbols
 
 SAMPLES = 720  # a turn
-SWAY = 0.4  # rad, of the crank that turns unevenly
 LENGTHS = (77.0, 300.0, 490.0, 490.0, 760.0, 300.0)  # mm, as printed
 BARS = (("P1", "P2"), ("O", "P3"), ("P2", "P3"), ("P3", "P4"), ("P2", "P4"), ("P4", "P5"))
 BODIES = ("crank", "rocker", "toggle", "toggle", "toggle", "rod")  # of the bars
-
-
-class Uneven(MotionLaw):
-    """A crank that turns faster and slower within each turn; in closed form, so that no spline has to be imported."""
-
-    def at(self, time: ArrayLike) -> Driven:
-        """Return angle, rate and acceleration at some instants, s."""
-        w = tau / self.cycle
-        turned = w * np.asarray(time, np.float64)
-        return Driven(turned + SWAY * sin(turned), w * (1 + SWAY * cos(turned)), -SWAY * w**2 * sin(turned))
 
 
 def scale_of(v: Symbols) -> Scale:
@@ -56,20 +43,20 @@ def bars(state: MotionVectors) -> list[Vectors]:
     return [state.point(end)[0] - state.point(start)[0] for start, end in BARS]
 
 
-def over_two_turns() -> dict[str, Any]:
+def over_two_turns() -> Symbols:
     """The paper's symbols, SI, over a turn at constant speed, and one at a speed that varies: there alpha is not zero.
 
     Those of the bars have their numbers, but the crank's none; arrays of shape (n,).
     """
     steady = load("toggle_press")
-    uneven = Uneven("crank", (0.0, steady.drive.cycle), (0.0, tau), periodic=True)
+    uneven = SegmentedLaw("crank", 0.0, (tau,), (steady.drive.cycle,), ("cycloidal",), periodic=True)
     motions = [solved(scene, SAMPLES) for scene in (steady, replace(steady, drive=uneven))]
     both = Motion({channel: np.concatenate([m[channel] for m in motions]) for channel in motions[0].samples})
     state = MotionVectors(steady, both)
     vectors = bars(state)
     _, rates, accelerations = zip(*map(state.turning, BODIES), strict=True)
     lengths, (x, y) = [length / 1e3 for length in LENGTHS], steady.ground["P1"]
-    symbols: dict[str, Any] = {"x": x, "y": -y, "S": both["P5.y"], "v": both["P5.vy"], "αₛ": both["P5.ay"]}
+    symbols: Symbols = {"x": x, "y": -y, "S": both["P5.y"], "v": both["P5.vy"], "αₛ": both["P5.ay"]}
     by_bar: tuple[Any, ...] = (vectors, lengths, [np.angle(bar) for bar in vectors], rates, accelerations)
     for symbol, of in zip("Llθωα", by_bar, strict=True):
         symbols |= {f"{symbol}{index}": value for index, value in zip(("", *"₁₂₃₄₅"), of, strict=True)}
@@ -77,7 +64,7 @@ def over_two_turns() -> dict[str, Any]:
 
 
 length, area, angle, speed, acceleration = (
-    partial(equation, kind) for kind in ("length", "area", "angle", "speed", "acceleration")
+    partial(Equation, kind) for kind in ("length", "area", "angle", "speed", "acceleration")
 )
 WITH_MINUS = ("with −√", "+ √", "− √")
 AB_1 = "A₁ = 2 l₁(l₀ cos θ + x), B₁ = 2 l₁(l₀ sin θ − y)"

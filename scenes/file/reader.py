@@ -184,19 +184,16 @@ def write_starter(path: Path) -> list[Path]:
     if name in shipped():
         raise InputError(f"{place}: '{name}' is a scene that ships, which its name stands for; expected another name")
     scene, schema = (path.with_name(file) for file in (f"{name}.toml", SCHEMA))
-    texts = {
-        scene: (files("scenes") / "starter.toml").read_text(encoding="utf-8").replace('"NAME"', f'"{name}"'),
-        schema: json.dumps(SceneFile.model_json_schema(), indent=1) + "\n",
-    }
+    starter = (files("scenes") / "starter.toml").read_text(encoding="utf-8").replace('"NAME"', f'"{name}"')
+    contents = {scene: starter.encode(), schema: json.dumps(SceneFile.model_json_schema(), indent=1).encode() + b"\n"}
     try:
         with ExitStack() as undo:
-            for file, text in texts.items():
-                there = file == schema and file.is_file() and file.stat().st_size == len(text.encode())
-                if there and file.read_text(encoding="utf-8") == text:
+            for file, content in contents.items():
+                if file == schema and file.is_file() and file.read_bytes() == content:
                     continue
-                with file.open("x", encoding="utf-8") as stream:
+                with file.open("xb") as stream:
                     undo.callback(file.unlink)
-                    stream.write(text)
+                    stream.write(content)
             undo.pop_all()
     except FileExistsError as error:
         if error.filename == str(scene):

@@ -113,10 +113,16 @@ class Simulation(Protocol):
 S = TypeVar("S", bound=Settings)
 
 
-class Module(Protocol[S]):
-    """What the module of an engine has to have; `completed` adds the rest of `Engine`, where it is left out."""
+class Engine(Protocol[S]):
+    """A module with an engine: it has to have `DEFAULT` and `build`, the rest is added by `completed` if left out."""
 
     DEFAULT: S  # of a plain run
+    FAST: S  # the cheapest that are good to a per cent
+    EXACT: S  # the most accurate
+    WORK_PRECISION: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
+    LONG_WORK_PRECISION: tuple[S, ...]  # slower ones, that only `--full` takes besides
+    ABLATIONS: tuple[S, ...]  # the default with more than a scene needs, for `--full`: what modelling it costs
+    KINDS: frozenset[str]  # of loads, springs and drives that it knows, besides cranks and sliders on the ground
 
     def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
         """Prepare a run; nothing is solved yet but the pose that it starts from.
@@ -124,17 +130,6 @@ class Module(Protocol[S]):
         The request is for n instants, s, or positions of the drive, rad or m, and the channels wanted there. It raises
         `Failure`, `unsupported` or `cannot_assemble`, and ImportError where the engine is not installed.
         """
-
-
-class Engine(Module[S], Protocol[S]):
-    """An engine, as the comparison takes it."""
-
-    FAST: S  # the cheapest that are good to a per cent
-    EXACT: S  # the most accurate
-    WORK_PRECISION: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
-    LONG_WORK_PRECISION: tuple[S, ...]  # slower ones, that only `--full` takes besides
-    ABLATIONS: tuple[S, ...]  # the default with more than a scene needs, for `--full`: what modelling it costs
-    KINDS: frozenset[str]  # of loads, springs and drives that it knows, besides cranks and sliders on the ground
 
     @property
     def at_steps(self) -> Callable[..., S] | None:
@@ -155,7 +150,7 @@ class Engine(Module[S], Protocol[S]):
 
 
 def completed(module: Any, version: str) -> Engine[Any]:
-    """An engine with all names of the protocol; TypeError where its module lacks one of `Module`.
+    """An engine with all names of the protocol; TypeError where its module lacks `DEFAULT` or `build`.
 
     What it leaves out of `Engine` is taken from its `DEFAULT`, or the `version` here.
     """

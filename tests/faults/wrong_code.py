@@ -39,7 +39,8 @@ CORE = (
 )
 SHARED = {
     "scenes.elements.loads": (),
-    "scenes.drive": ("ConstantSpeed.after", "ConstantSpeed.at", "MotionLaw.after", "MotionLaw.at", "MotionLaw._trend"),
+    "scenes.drive": ("ConstantSpeed.after", "ConstantSpeed.at", "MotionLaw.at", "MotionLaw._trend"),
+    "scenes.laws": ("Law.after",),
 }
 COMPARISON = {
     "compare.judge.measure": ("assess", "Gate.missed", "gates", "missed"),

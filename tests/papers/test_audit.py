@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from papers import audit as audit_command
 from papers import optimise
 from papers.audit import audit, overview, write
-from papers.claims import OPEN, Claim, Equation, Verdict, comparison, judge, limit, number
+from papers.claims import OPEN, Claim, Verdict, comparison, judge, limit, number
+from papers.written import Equation
 from tests.pages import check_figures
 
 Audited = tuple[dict[str, list[Claim]], list[str]]
@@ -84,11 +84,9 @@ def test_bad_input_is_named_in_one_line(
     ],
 )
 def test_the_rule_of_equations(printed: float, branch: float, corrected: float, verdict: Verdict) -> None:
-    def form(value: float) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-        return lambda v: v * value
-
-    equation = Equation("length", "eq", "", form(printed), "c", form(corrected), {"b": form(branch)})
-    assert judge(equation, np.ones(3), {"length": (1.0, "m")}).verdict is verdict
+    equation = Equation("length", "eq", "p = 0", "c = 0", branch=("b", "p", "b"))
+    symbols = {name: np.full(3, value) for name, value in zip("pbc", (printed, branch, corrected), strict=True)}
+    assert judge(equation, symbols, {"length": (1.0, "m")}).verdict is verdict
 
 
 def test_the_rule_of_numbers() -> None:

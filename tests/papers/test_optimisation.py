@@ -144,8 +144,8 @@ def test_what_that_design_is_worse_in_is_named(six: Optimum) -> None:
     start, peak_valley, a_m = (float(change) for change in re.findall(r" ([+-][\d.]+) %", sentence))
     ours, rival = (np.ptp(acceleration(at(d, np.linspace(0, d.alpha_max, 100_001)))) for d in (six.design, SCHEME_4))
     assert a_m == pytest.approx(100 * (ours / rival - 1), abs=1e-4)
-    assert (start, a_m) == (7.9679, 0.0015)
-    assert abs(peak_valley) <= 2e-4  # a tie
+    assert (start, a_m) == (7.9677, 0.0)
+    assert abs(peak_valley) <= 2e-4  # a tie, as a_m's range
 
 
 def test_an_optimum_that_evolution_can_improve_is_reported() -> None:

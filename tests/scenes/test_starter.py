@@ -72,9 +72,9 @@ def test_a_full_disk_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     written, open_file = list[Path](), Path.open
 
     def full(path: Path, mode: str = "r", *arguments: Any, **options: Any) -> IO[Any]:
-        if mode == "x" and written:
+        if mode == "xb" and written:
             raise OSError(28, "No space left on device")
-        written.extend([path] * (mode == "x"))
+        written.extend([path] * (mode == "xb"))
         return open_file(path, mode, *arguments, **options)
 
     monkeypatch.setattr(Path, "open", full)

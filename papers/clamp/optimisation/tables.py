@@ -1,6 +1,6 @@
 """The study's tables: one row a point for `design.csv`, and those that the page shows."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -8,8 +8,8 @@ import numpy as np
 from compare.report.tables import TableRows
 
 from ..constraints import BOTH, SLENDER, STROKE, Clearance, slacks
-from ..formulas import INITIAL, PUBLISHED, SCHEME_4, UNITS, Array, Design
-from ..measures import FINE, MEASURES, measure, peak_valley, range_of_acceleration
+from ..formulas import INITIAL, PUBLISHED, SCHEME_4, UNITS, Design
+from ..measures import MEASURES, measure
 from ..printed import LARGEST_FORCE_RATIO, LENGTH_RATIO, PLATEN_STROKE, TABLE_1
 from .recheck import Recheck
 from .search import AGREES, FEASIBLE, VARIABLES, gains
@@ -19,11 +19,7 @@ Row: TypeAlias = dict[str, Any]
 
 PRINTED_AS = {"R_V start": "R_V startup"}  # in table 1
 DIGITS = {"M_P": 4, "R_S": 5, "L_sum": 2, "S_m": 2, "R_V start": 3, "R_V max": 3, "R_V peak-valley": 3}  # shown
-FINELY: Mapping[str, Callable[[Design], Array]] = {
-    "R_V at the start": MEASURES["R_V start"].of,
-    "peak-valley of R_V": lambda d: peak_valley(d, FINE),
-    "range of a_m": lambda d: range_of_acceleration(d, FINE),
-}  # finely sampled, as what the searches are limited by is good to 2e-5 only
+IN_WORDS = {"R_V start": "R_V at the start", "R_V peak-valley": "peak-valley of R_V", "a_m range": "range of a_m"}
 
 
 def variables(d: Design) -> dict[str, float]:
@@ -175,7 +171,8 @@ def _outcome(point: Point) -> str:
         return f"none is found, the best is {-gain:.3f} % behind"
     parts = [f"one is ahead by {gain:.3f} % in each of M_P, R_S and L_sum"]
     if point.at.startswith(SIX):
-        parts += [f"{name} {100 * float(of(d) / of(SCHEME_4) - 1):+.4f} %" for name, of in FINELY.items()]
+        changes = {words: measure(name, d) / measure(name, SCHEME_4) - 1 for name, words in IN_WORDS.items()}
+        parts += [f"{words} {100 * change:+.4f} %" for words, change in changes.items()]
     limits = {
         STROKE: f"S_m is {measure('S_m', d):.1f} mm, over the printed {PLATEN_STROKE[1]:g}",
         SLENDER: f"L1/L2 is {measure('L1/L2', d):.3f}, over the printed {LENGTH_RATIO[1]:g}",

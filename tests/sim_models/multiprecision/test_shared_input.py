@@ -137,7 +137,7 @@ SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
 def test_a_slip_in_what_models_share_sets_the_oracle_apart(
     monkeypatch: pytest.MonkeyPatch, name: str, of: type, attribute: str, wrong: Wrong
 ) -> None:
-    right = vars(of)[attribute]
+    right = getattr(of, attribute)
     if callable(right):
         monkeypatch.setattr(of, attribute, lambda *args: wrong(right, *args))
     else:
