@@ -128,7 +128,9 @@ def test_a_guide_goes_with_its_slider(undone: "Page") -> None:
     assert x > slider.real + 10
     assert abs((moved[0] + moved[2] / 2 - x) - (before[0] + before[2] / 2 - slider.real)) < 0.2
     assert moved[3] > 1.1 * before[3]
-    top, ends = undone.locator("#linkage svg").bounding_box() or {}, []
+    top = undone.locator("#linkage svg").bounding_box()
+    assert top is not None
+    ends = []
     for sample in range(0, 361, 5):
         undone.locator("#linkage [type=range]").fill(str(sample))
         ends.append(pin(undone, "P5").imag - top["y"])

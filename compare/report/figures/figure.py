@@ -1,4 +1,4 @@
-"""A figure as plain data, in plotly's names: `pages/plots.js` draws it in a page, plotly itself in a notebook.
+"""A figure as plain data, in plotly's names: `plots.js` draws it in a page, plotly itself in a notebook.
 
 Fewer points of a curve are drawn without losing an extreme: of each stretch the first, last, least and largest (M4).
 After Jugel et al. (2014), doi:10.14778/2732951.2732953.

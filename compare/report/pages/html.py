@@ -20,7 +20,7 @@ from ...judge.agreement import Word
 from ..figures.figure import CURVE, Figure
 from ..numbers import percent, short
 
-HERE, LINKAGE, BENCH = "compare.report.pages", "compare.report.linkage", "compare.report.bench"  # templates' packages
+HERE, *OTHERS = (f"compare.report.{room}" for room in ("pages", "linkage", "bench", "figures"))  # that have templates
 ROWS = 200  # of a table or a list, at most
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
 
@@ -42,7 +42,7 @@ class ByteCode(FileSystemBytecodeCache):
 @cache
 def _templates(package: str) -> Environment:
     templates = Environment(
-        loader=ChoiceLoader([PackageLoader(name, "") for name in dict.fromkeys((package, HERE, LINKAGE, BENCH))]),
+        loader=ChoiceLoader([PackageLoader(name, "") for name in dict.fromkeys((package, HERE, *OTHERS))]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
