@@ -39,7 +39,7 @@ class Study(Judgement):
     def of(cls, judged: Judgement, speed: Sequence[SpeedRow] = ()) -> Self:
         """A judgement with the reference's motion, and what was measured of settings."""
         motion = judged.reference.at(judged.sampling.commanded(judged.scene), judged.sampling.times(judged.scene))
-        return cls(**{field.name: getattr(judged, field.name) for field in fields(judged)}, motion=motion, speed=speed)
+        return cls(**{field.name: getattr(judged, field.name) for field in fields(Judgement)}, motion=motion, speed=speed)
 
     @cached_property
     def cheapest(self) -> list[work_precision.Choice]:
@@ -57,18 +57,12 @@ class Study(Judgement):
         return [*work_precision.step_costs(self.speed)]
 
 
-def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Judgement:
+def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Study:
     """Solve a scene by every engine named, measure, gate, and check the comparison; nothing is timed or written."""
-    able = _prepared(scene, engines)
-    with workers([*engines, ORACLE], lambda: None) as runs:
-        reference = establish(scene, sampling.channels, runs)
-        speed: Sequence[SpeedRow] = ()
-        if not isinstance(accuracy, str):
-            speed = speed_table(reference, able, NO_CLOCK, lambda _: None, sampling.channels, runs)
-        judged = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
-        from .judge.canaries.canaries import canaries  # late: no report needs it
+    from .judge.canaries.canaries import canaries  # late: no report needs it
 
-        judged.let_through.extend(canaries(judged))
+    judged = study(scene, engines, sampling, NO_CLOCK, lambda _: None, accuracy)
+    judged.let_through.extend(canaries(judged))
     return judged
 
 
@@ -84,7 +78,8 @@ def study(
     """Solve a scene by every engine named, measure, gate, and time; results of other programs are judged beside them.
 
     A stop leaves what is done. Where the accuracy is a number, the settings that the engines offer are measured before
-    one of them is chosen. InputError is raised where the reference cannot solve the scene.
+    one of them is chosen; without a clock they are measured for that alone. InputError is raised where the reference
+    cannot solve the scene.
     """
     doing = "solving and certifying the reference"
 
@@ -102,6 +97,8 @@ def study(
             return judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs, results)
 
         first = judged_by(()) if isinstance(accuracy, str) else None  # so that a stop leaves the main runs
+        if first and budget == NO_CLOCK:
+            return Study.of(first)
         speed = speed_table(reference, able, budget, report, sampling.channels, runs)
         judged = first or judged_by(speed)
     names = [*engines, *(result.run.engine for result in results)]
