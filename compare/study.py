@@ -10,6 +10,7 @@ from scenes import Motion, Sampling, Scene, Settings
 from .engines import registry
 from .engines.processes.workers import workers
 from .engines.registry import ORACLE, REFERENCE, Accuracy, settings_of, tiers
+from .engines.threads import one_thread
 from .judge.agreement import Judgement
 from .judge.errors import group_floors
 from .judge.floor import establish
@@ -39,7 +40,8 @@ class Study(Judgement):
     def of(cls, judged: Judgement, speed: Sequence[SpeedRow] = ()) -> Self:
         """A judgement with the reference's motion, and what was measured of settings."""
         motion = judged.reference.at(judged.sampling.commanded(judged.scene), judged.sampling.times(judged.scene))
-        return cls(**{field.name: getattr(judged, field.name) for field in fields(Judgement)}, motion=motion, speed=speed)
+        known = {field.name: getattr(judged, field.name) for field in fields(Judgement)}
+        return cls(**known, motion=motion, speed=speed)
 
     @cached_property
     def cheapest(self) -> list[work_precision.Choice]:
@@ -61,8 +63,9 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
     """Solve a scene by every engine named, measure, gate, and check the comparison; nothing is timed or written."""
     from .judge.canaries.canaries import canaries  # late: no report needs it
 
-    judged = study(scene, engines, sampling, NO_CLOCK, lambda _: None, accuracy)
-    judged.let_through.extend(canaries(judged))
+    with one_thread():
+        judged = study(scene, engines, sampling, NO_CLOCK, lambda _: None, accuracy)
+        judged.let_through.extend(canaries(judged))
     return judged
 
 
@@ -89,7 +92,10 @@ def study(
         progress(doing)
 
     report(doing)
-    able = _prepared(scene, engines)
+    able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
+    for name in (REFERENCE, *able):  # core, settings and motion laws: what all processes have a part of
+        registry.engine(name)
+    _ = scene.drive.extent
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
 
@@ -106,15 +112,6 @@ def study(
     return Study.of(judged, speed)
 
 
-def _prepared(scene: Scene, engines: Sequence[str]) -> list[str]:
-    """Return the engines that can run, when what their processes share is imported: core, motion laws, settings."""
-    able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
-    for name in (REFERENCE, *able):
-        registry.engine(name)
-    _ = scene.drive.extent
-    return able
-
-
 def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
     """What to try of an engine: by the name of its settings, or by the errors and times of a speed table."""
 
@@ -123,13 +120,14 @@ def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
         return offered, noted(engine, offered[0])
 
     def by_error(engine: str) -> tuple[Sequence[Settings], str]:
-        cheapest, level = work_precision.within(engine, float(accuracy), speed), float(accuracy)
-        others = [*tiers(engine).values()][::-1]
+        level = float(accuracy)
+        cheapest = work_precision.within(engine, level, speed)
+        offered = promising(level, (*cheapest, *reversed(tiers(engine).values())))
         if cheapest:
-            why = f"{engine}: {cheapest[0].label} is the cheapest measured to be within {level:g} in every group"
-            return promising(level, (*cheapest, *others)), why
+            why = f"{engine}: {offered[0].label} is the cheapest measured to be within {level:g} in every group"
+            return offered, why
         why = f"{engine}: no setting was measured to be within {level:g} in every group; run at its most accurate one"
-        return promising(level, others), "; ".join(filter(None, (why, noted(engine, others[0]))))
+        return offered, "; ".join(filter(None, (why, noted(engine, offered[0]))))
 
     def noted(engine: str, settings: Settings) -> str:
         return f"{engine}, {settings.label}: {settings.note}" if settings.note else ""

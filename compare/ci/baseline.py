@@ -6,7 +6,6 @@ channel that an engine returns no more, an error of more than twice its size, an
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import inf, isclose, prod
 from statistics import median
 from typing import Any, TypeAlias
@@ -16,7 +15,7 @@ from scenes.errors import one_line, path_in_file
 from scenes.fields import quantity_at
 from scenes.scene import units_of_all
 
-from ..report.output.earlier import Json, Summary, SummaryError
+from ..report.output.earlier import Change, Json, Summary, SummaryError
 
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
 ROUNDING = 1e-12  # relative, over thousands of steps: what the reference itself promises
@@ -28,17 +27,6 @@ LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no nu
 BASE = {"m": "length", "kg": "mass", "N": "force", "rad": "angle"}  # what the scene's file names a unit of
 
 Place: TypeAlias = tuple[Any, ...]  # as ("scene", "bodies", "rod", "mass")
-
-
-@dataclass(frozen=True)
-class Change:
-    """What changed, in one line."""
-
-    text: str
-    worse: bool = False
-
-    def __str__(self) -> str:
-        return f"{'worse than' if self.worse else 'changed since'} the baseline: {self.text}"
 
 
 def changes(old: Summary, new: Summary) -> list[Change]:

@@ -14,7 +14,7 @@ from typing import Any
 from scenes import Sampling, Scene
 from scenes.errors import nearest
 
-from ..ci.baseline import Change, changes
+from ..ci.baseline import changes
 from ..engines import registry
 from ..engines.processes.stopping import Stopped, stoppable
 from ..judge.agreement import Judgement
@@ -24,7 +24,7 @@ from ..judge.measure import Miss
 from ..measure.many.grid import grid
 from ..measure.speed.timing import Budget
 from ..report.output import files
-from ..report.output.earlier import Summary, before, last
+from ..report.output.earlier import Change, Summary, before, last
 from ..report.plain import json_text
 from ..report.tables import assemblies as assembly_tables
 from ..report.tables import speed as speed_tables

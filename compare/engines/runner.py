@@ -145,7 +145,6 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *,
     return replace(
         failed,
         status=Status.ok,
-        reason="",
         found_by="",
         motion=_plain(returned) if reads else None,
         build_s=max(built - started, TICK),

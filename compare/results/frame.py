@@ -16,8 +16,7 @@ import numpy as np
 
 from scenes.model.motion import Samples, quantity
 
-VECTORS = {"x": "y", "vx": "vy", "ax": "ay", "fx": "fy"}
-COMPONENTS = {*VECTORS, *VECTORS.values()}
+COMPONENTS = {f"{of}{axis}" for of in ("", "v", "a", "f") for axis in "xy"}
 ANGLES = ("angle", "crank_angle")
 MOMENTS = ("guide_moment", "torque")
 TURNING = ("omega", "alpha", "guide_force", *MOMENTS)  # of the opposite sign where a frame is mirrored
@@ -70,10 +69,7 @@ def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
 
 def vectors(names: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Yield the two components of each vector of which there is one at least."""
-    first = {y: x for x, y in VECTORS.items()}
-    stems = ((name[: -len(quantity(name))], quantity(name)) for name in names if quantity(name) in COMPONENTS)
-    pairs = ((f"{stem}{first.get(kind, kind)}", f"{stem}{VECTORS[first.get(kind, kind)]}") for stem, kind in stems)
-    yield from dict.fromkeys(pairs)
+    yield from dict.fromkeys((f"{name[:-1]}x", f"{name[:-1]}y") for name in names if quantity(name) in COMPONENTS)
 
 
 def unit_near(factor: float, si: str, hair: float) -> str:

@@ -116,8 +116,7 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
     by = scene.drive_channel
     with_drive = by in columns
     _on_time(scene, columns, halves, backwards=mapping.backwards)
-    given = [channel for channel in known if channel in columns]
-    own = frozenset(given) - {"time", by}
+    own = frozenset(columns) - {"time", by}
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {by} at least")
     drive = scene.drive.at(columns["time"]).position
