@@ -58,9 +58,8 @@ def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
         elif kind in TURNING:
             other[channel] = way * own * (frame.factor if kind in MOMENTS else 1.0)
     for x, y in vectors(samples):
-        some = samples.get(x, samples.get(y))
-        assert some is not None
-        vector = turn * (samples.get(x, 0 * some) + way * 1j * samples.get(y, 0 * some))
+        zero = 0 * samples[x if x in samples else y]
+        vector = turn * (samples.get(x, zero) + way * 1j * samples.get(y, zero))
         if quantity(x) != "fx":
             vector = frame.factor * vector + (frame.origin if quantity(x) == "x" else 0)
         other |= {c: part for c, part in ((x, vector.real), (y, vector.imag)) if c in samples}
