@@ -1,6 +1,5 @@
 """A text table of numbers, and by how much each may be off since it is written at decimals."""
 
-import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -82,16 +81,14 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     head = text.lstrip("\n").partition("\n")[0]
     separator = separator or _separator(head)
     try:
-        names = [name.strip() for name in next(csv.reader([head], delimiter=separator, strict=True), [])]
         cells = pd.read_csv(StringIO(text), sep=separator, header=None, dtype=str, keep_default_na=False)
-    except (csv.Error, ValueError) as error:  # of which pandas has its own kinds
+    except ValueError as error:  # of which pandas has its own kinds
         why = one_line(str(error)).removeprefix("Error tokenizing data. C error: ")
         raise InputError(f"not a table: {why}") from None
-    if cells.shape[1] != len(names):
-        raise InputError(f"expected {len(names)} columns in every row, as the names have, found {cells.shape[1]}")
     if len(cells) < 2:
         raise InputError("expected a row of numbers below the names, found none")
-    texts = [[str(text).strip() for text in cells[number][1:]] for number in cells]
+    names, *rows = ([str(text).strip() for text in row] for row in cells.itertuples(index=False))
+    texts = [*zip(*rows, strict=True)]
     if (decimal or _decimal(texts, separator)) == ",":
         texts = [[text.replace(",", ".") for text in column] for column in texts]
     return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts)
