@@ -122,7 +122,7 @@ def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
     def by_error(engine: str) -> tuple[Sequence[Settings], str]:
         level = float(accuracy)
         cheapest = work_precision.within(engine, level, speed)
-        offered = promising(level, (*cheapest, *reversed(tiers(engine).values())))
+        offered = promising(level, (*cheapest, *[*tiers(engine).values()][::-1]))
         if cheapest:
             why = f"{engine}: {offered[0].label} is the cheapest measured to be within {level:g} in every group"
             return offered, why

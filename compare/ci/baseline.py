@@ -38,13 +38,7 @@ def changes(old: Summary, new: Summary) -> list[Change]:
     if not (old.engines and new.engines):
         became = Change("it runs" if new.engines else "it does not run", worse=not new.engines)
         return [became, *given] if old.engines or new.engines else given
-    changed = [
-        *given,
-        *_engines(old, new),
-        *_errors(old, new, alike=alike),
-        *_peaks(old, new, alike=alike),
-        *_times(old, new),
-    ]
+    changed = [*given, *_engines(old, new), *_errors(old, new, alike), *_peaks(old, new, alike), *_times(old, new)]
     return sorted(changed, key=lambda change: not change.worse)
 
 
@@ -91,7 +85,7 @@ def _engines(old: Summary, new: Summary) -> Iterator[Change]:
             yield Change(f"{name}: run at {_few(differ)}")
 
 
-def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
+def _errors(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
     after = {(error.engine, error.channel): error for error in new.errors}
     compared = {error.engine for error in new.errors}
     grouped: dict[tuple[str, str, str, bool], list[tuple[float, str]]] = {}
@@ -122,7 +116,7 @@ def _size(error: SummaryError) -> str:
     return "unknown" if error.max is None else f"{error.max:.1e}"
 
 
-def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
+def _peaks(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
     before, after = ({(peak.name, peak.of): peak for peak in summary.peaks} for summary in (old, new))
     size: dict[tuple[str, str], float] = {}  # the largest of the same place and unit, as the stroke of a dead point
     largest = dict.fromkeys(("m", "N"), 0.0)  # of a unit
@@ -137,11 +131,10 @@ def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
         if now is None:
             moves.append((0.0, f"{name} ({of}) in it alone"))
             continue
-        if abs(now.value - was.value) <= ROUNDING * largest[was.unit]:
-            continue
-        moved = abs(now.value - was.value) / size[of, was.unit]
+        by = abs(now.value - was.value)
+        moved, rounding = by / size[of, was.unit], by <= ROUNDING * largest[was.unit]
         differ = [differs for peak in (was, now) for differs in peak.differs.values() if differs is not None]
-        if not moved <= max(LEAST, *differ, 0.0):
+        if not (rounding or moved <= max(LEAST, *differ, 0.0)):
             unit, own = in_file(now.unit, new.scene)
             digits = 6 if moved > 1e-5 else 12
             values = f"{now.value / own:.{digits}g} {unit}".strip(), f"{was.value / own:.{digits}g}"

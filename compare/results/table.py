@@ -88,7 +88,7 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     if len(cells) < 2:
         raise InputError("expected a row of numbers below the names, found none")
     names, *rows = ([str(text).strip() for text in row] for row in cells.itertuples(index=False))
-    texts = [*zip(*rows, strict=True)]
+    texts = [list(column) for column in zip(*rows, strict=True)]
     if (decimal or _decimal(texts, separator)) == ",":
         texts = [[text.replace(",", ".") for text in column] for column in texts]
     return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts)
