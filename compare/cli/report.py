@@ -168,7 +168,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
 
     asked = Asked(scene.file, options.engines, request)
     kept = kept_members(options.out, scene, asked)
-    several = options.workers or options.scheduler
+    stopped, several = False, options.workers or options.scheduler
     try:
         with cluster(options.workers, options.scheduler) if several else nullcontext() as client:
             for member in going_on(kept, asked, members, client, progress):
@@ -177,6 +177,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     except KeyboardInterrupt:
         if not family.members:
             raise
+        stopped = True
     family.members.sort(key=lambda member: members.index(member.changes))
     progress("writing the report")
     page = files.write_family(family, options.out) / "family.html"
@@ -187,7 +188,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     if kept.trouble:
         print(f"{scene.name}  {kept.trouble}")
     done = f"the {len(family.members)} of {len(members)} members that were done"
-    show_page("family", page, "" if family.complete else done, options)
+    show_page("family", page, done if stopped else "", options)
     if not options.check:
         return False
     able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}
