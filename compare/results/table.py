@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from hashlib import sha256
 from io import StringIO
 from pathlib import Path
@@ -18,7 +19,7 @@ from ..engines.runner import LARGEST
 
 BYTES = 50_000_000  # reading a table takes 3 s for every ten megabytes
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-NUMBER = re.compile(r"[+-]?(?=\.?\d)(\d*)(?:\.(\d*))?(?:[eEdD]([+-]?\d{1,3}))?")
+NUMBER = re.compile(r"[+-]?(?=\.?\d)\d*(?:\.\d*)?(?:[eEdD][+-]?\d{1,3})?")
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,9 @@ def _float(text: str) -> float:
 
 def _written(text: str) -> tuple[int, int, float]:
     """A number's decimals, its digits but for zeros in front, and the power of ten of the first; -inf of zero."""
-    number = NUMBER.fullmatch(text)
-    assert number
-    whole, part, power = number[1] or "", number[2] or "", int(number[3] or 0)
-    digits = (whole + part).lstrip("0")
-    # the decimals are negative where the power of ten is larger
-    return len(part) - power, len(digits), len(digits) - len(part) - 1 + power if digits else -np.inf
+    number = Decimal(text.upper().replace("D", "E"))
+    _, digits, power = number.as_tuple()  # of the last digit
+    return (-int(power), len(digits), number.adjusted()) if number else (-int(power), 0, -np.inf)
 
 
 def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
