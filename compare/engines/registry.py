@@ -6,7 +6,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, Failure, InputError, Motion, Scene, Settings, Status
+from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
 from scenes.model.enclosures import Assemblies, Enclosures, MotionRange
 from scenes.model.motion import Samples
@@ -16,12 +16,13 @@ from .outside import Entry as Entry
 from .processes.inside import Ended
 
 Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
+ByName: TypeAlias = Mapping[str, Samples]  # of channels, or of numbers of the scene file by their paths
 
 
 class Many(Protocol):
     """The motions of m machines, as the analytic core returns them."""
 
-    samples: Mapping[str, Samples]  # by channel, shape (m, n), SI; NaN where a machine does not assemble
+    samples: ByName  # shape (m, n), SI; NaN where a machine does not assemble
     status: Sequence[Status]  # how each machine ended
     reason: Sequence[str]  # why it is not ok, in a sentence; empty where it is
 
@@ -137,11 +138,6 @@ def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
     return cast("Assemblies", import_module("analytic").assemblies(scene, circuits=circuits))
 
 
-def stopped(scene: Scene, failure: Failure | None) -> MotionRange | None:
-    """Return how far a linkage goes that the reference failed on, by the analytic core; None where it has no pose."""
-    return cast("MotionRange | None", import_module("analytic").stopped(scene, failure and failure.at))
-
-
 def _of_core(name: str) -> Callable[..., Any]:
     return lambda *arguments: getattr(import_module("analytic"), name)(*arguments)
 
@@ -150,10 +146,9 @@ def _of_core(name: str) -> Callable[..., Any]:
 route: Callable[[Scene], str] = _of_core("route")
 in_closed_form: Callable[[Scene], bool] = _of_core("in_closed_form")
 page_program: Callable[[Scene, Samples, Samples], Mapping[str, Any] | None] = _of_core("page_program")
-many: Callable[[Scene, Mapping[str, Samples], frozenset[str]], SolveMany] = _of_core("many_solver")
-derivatives: Callable[[Scene, Sequence[str], Samples, Samples, frozenset[str]], Mapping[str, Samples]] = _of_core(
-    "derivatives"
-)
+many: Callable[[Scene, ByName, frozenset[str]], SolveMany] = _of_core("many_solver")
+derivatives: Callable[[Scene, Sequence[str], Samples, Samples, frozenset[str]], ByName] = _of_core("derivatives")
+stopped: Callable[[Scene, tuple[float, str] | None], MotionRange | None] = _of_core("stopped")
 
 
 def tiers(name: str) -> Mapping[str, Settings]:

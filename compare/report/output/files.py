@@ -83,7 +83,7 @@ def write_unsolved(scene: Scene, unsolved: UnsolvedError, folder: Path, known: M
     from ..linkage.still import sketched  # late, as what is of families
     from ..pages.unsolved import unsolved_page
 
-    way = stopped(scene, unsolved.failure)
+    way = stopped(scene, unsolved.failure.at if unsolved.failure else None)
     page = partial(unsolved_page, scene, unsolved, way, known.get("since_baseline", known.get("since_last_run", ())))
     known = {**known, "picture": small(scene, way.motion) if way else sketched(scene)}
     with _result(scene, folder, REPORT, known, page, complete=True) as (_, place):
