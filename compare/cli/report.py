@@ -101,16 +101,15 @@ def _in_full(result: Study, options: Namespace, progress: Callable[[str], None])
 
 def print_result(result: Study) -> None:
     """Print the verdict, a line an engine, the reasons and causes."""
-    for sentence in (verdict(result), *sentences(result)):
-        print(f"{result.scene.name}  {sentence}")
+    lines = [verdict(result), *sentences(result)]
     for m in result.measurements:
         worst = {group: m.worst().get(group, nan) for group in shown_groups(result.scene)}
         errors = "  ".join(f"{group} {error:.1e}" for group, error in worst.items() if not isnan(error))
-        print(f"{result.scene.name}  {m.run.engine:14} {m.run.status.name:15} {errors}")
-    known = [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
-    known += [f"likely cause: {cause}" for cause in result.causes.values()]
-    for sentence in (*known, *result.reasons, speed_tables.verdict(result)):
-        print(f"{result.scene.name}  {sentence}")
+        lines.append(f"{m.run.engine:14} {m.run.status.name:15} {errors}")
+    lines += [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
+    lines += [f"likely cause: {cause}" for cause in result.causes.values()]
+    for line in (*lines, *result.reasons, speed_tables.verdict(result)):
+        print(f"{result.scene.name}  {line}")
 
 
 def stops(scene: Scene, judged: Mapping[str, Judgement], output_format: str, more: Sequence[str] = ()) -> bool:
