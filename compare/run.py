@@ -14,7 +14,6 @@ with starting(__name__):
 
     from scenes import InputError, Scene, load, numbers_in, shipped, write_starter
 
-    from .cli import report
     from .cli.arguments import COMMANDS, parser, sampling
     from .cli.cost import announce
     from .engines import registry
@@ -86,25 +85,21 @@ def _run(options: argparse.Namespace) -> int:
     for scene, request in zip(scenes, requests, strict=True):
         announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 
-    from .report.output import files  # late: slow to import, and bad input should be named at once
+    from .cli import report  # late: slow to import, and bad input should be named at once
+    from .judge.floor import UnsolvedError
+    from .report.output import files
     from .report.output.placing import check_writable
 
-    run, own = next(
-        way
-        for asked, way in (
-            (options.vary, (report.family, files.FAMILY)),
-            (options.monte_carlo, (report.monte_carlo, files.MONTE_CARLO)),
-            (options.assemblies, (report.assemblies, files.ASSEMBLIES)),
-            (True, (report.run, files.REPORT)),
-        )
-        if asked
-    )
+    ways = {
+        "vary": (report.family, files.FAMILY),
+        "monte_carlo": (report.monte_carlo, files.MONTE_CARLO),
+        "assemblies": (report.assemblies, files.ASSEMBLIES),
+    }
+    run, own = next((way for name, way in ways.items() if getattr(options, name)), (report.run, files.REPORT))
     places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
     check_writable(options.out, places, own)
     for name, scene in places.items():
         files.check_origin(scene, options.out / name)
-    from .judge.floor import UnsolvedError
-
     missed = []
     try:
         with shown_progress() as show:

@@ -10,6 +10,7 @@ from scenes import Motion, Sampling, Scene, Settings
 from .engines import registry
 from .engines.processes.workers import workers
 from .engines.registry import ORACLE, REFERENCE, Accuracy, settings_of, tiers
+from .engines.threads import one_thread
 from .judge.agreement import Judgement
 from .judge.errors import group_floors
 from .judge.floor import establish
@@ -39,7 +40,8 @@ class Study(Judgement):
     def of(cls, judged: Judgement, speed: Sequence[SpeedRow] = ()) -> Self:
         """A judgement with the reference's motion, and what was measured of settings."""
         motion = judged.reference.at(judged.sampling.commanded(judged.scene), judged.sampling.times(judged.scene))
-        return cls(**{field.name: getattr(judged, field.name) for field in fields(judged)}, motion=motion, speed=speed)
+        known = {field.name: getattr(judged, field.name) for field in fields(Judgement)}
+        return cls(**known, motion=motion, speed=speed)
 
     @cached_property
     def cheapest(self) -> list[work_precision.Choice]:
@@ -57,17 +59,12 @@ class Study(Judgement):
         return [*work_precision.step_costs(self.speed)]
 
 
-def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Judgement:
+def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Study:
     """Solve a scene by every engine named, measure, gate, and check the comparison; nothing is timed or written."""
-    able = _prepared(scene, engines)
-    with workers([*engines, ORACLE], lambda: None) as runs:
-        reference = establish(scene, sampling.channels, runs)
-        speed: Sequence[SpeedRow] = ()
-        if not isinstance(accuracy, str):
-            speed = speed_table(reference, able, NO_CLOCK, lambda _: None, sampling.channels, runs)
-        judged = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
-        from .judge.canaries.canaries import canaries  # late: no report needs it
+    from .judge.canaries.canaries import canaries  # late: no report needs it
 
+    with one_thread():
+        judged = study(scene, engines, sampling, NO_CLOCK, lambda _: None, accuracy)
         judged.let_through.extend(canaries(judged))
     return judged
 
@@ -84,7 +81,8 @@ def study(
     """Solve a scene by every engine named, measure, gate, and time; results of other programs are judged beside them.
 
     A stop leaves what is done. Where the accuracy is a number, the settings that the engines offer are measured before
-    one of them is chosen. InputError is raised where the reference cannot solve the scene.
+    one of them is chosen; without a clock they are measured for that alone. InputError is raised where the reference
+    cannot solve the scene.
     """
     doing = "solving and certifying the reference"
 
@@ -94,7 +92,10 @@ def study(
         progress(doing)
 
     report(doing)
-    able = _prepared(scene, engines)
+    able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
+    for name in (REFERENCE, *able):  # core, settings and motion laws: what all processes have a part of
+        registry.engine(name)
+    _ = scene.drive.extent
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
 
@@ -102,20 +103,13 @@ def study(
             return judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs, results)
 
         first = judged_by(()) if isinstance(accuracy, str) else None  # so that a stop leaves the main runs
+        if first and budget == NO_CLOCK:
+            return Study.of(first)
         speed = speed_table(reference, able, budget, report, sampling.channels, runs)
         judged = first or judged_by(speed)
     names = [*engines, *(result.run.engine for result in results)]
     judged.reasons.extend(_left_out(names, len(judged.measurements), able, len(speed), full=budget.full))
     return Study.of(judged, speed)
-
-
-def _prepared(scene: Scene, engines: Sequence[str]) -> list[str]:
-    """Return the engines that can run, when what their processes share is imported: core, motion laws, settings."""
-    able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
-    for name in (REFERENCE, *able):
-        registry.engine(name)
-    _ = scene.drive.extent
-    return able
 
 
 def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
@@ -126,13 +120,14 @@ def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
         return offered, noted(engine, offered[0])
 
     def by_error(engine: str) -> tuple[Sequence[Settings], str]:
-        cheapest, level = work_precision.within(engine, float(accuracy), speed), float(accuracy)
-        others = [*tiers(engine).values()][::-1]
+        level = float(accuracy)
+        cheapest = work_precision.within(engine, level, speed)
+        offered = promising(level, (*cheapest, *[*tiers(engine).values()][::-1]))
         if cheapest:
-            why = f"{engine}: {cheapest[0].label} is the cheapest measured to be within {level:g} in every group"
-            return promising(level, (*cheapest, *others)), why
+            why = f"{engine}: {offered[0].label} is the cheapest measured to be within {level:g} in every group"
+            return offered, why
         why = f"{engine}: no setting was measured to be within {level:g} in every group; run at its most accurate one"
-        return promising(level, others), "; ".join(filter(None, (why, noted(engine, others[0]))))
+        return offered, "; ".join(filter(None, (why, noted(engine, offered[0]))))
 
     def noted(engine: str, settings: Settings) -> str:
         return f"{engine}, {settings.label}: {settings.note}" if settings.note else ""

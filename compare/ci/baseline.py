@@ -6,7 +6,6 @@ channel that an engine returns no more, an error of more than twice its size, an
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import inf, isclose, prod
 from statistics import median
 from typing import Any, TypeAlias
@@ -16,7 +15,7 @@ from scenes.errors import one_line, path_in_file
 from scenes.fields import quantity_at
 from scenes.scene import units_of_all
 
-from ..report.output.earlier import Json, Summary, SummaryError
+from ..report.output.earlier import Change, Json, Summary, SummaryError
 
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
 ROUNDING = 1e-12  # relative, over thousands of steps: what the reference itself promises
@@ -30,17 +29,6 @@ BASE = {"m": "length", "kg": "mass", "N": "force", "rad": "angle"}  # what the s
 Place: TypeAlias = tuple[Any, ...]  # as ("scene", "bodies", "rod", "mass")
 
 
-@dataclass(frozen=True)
-class Change:
-    """What changed, in one line."""
-
-    text: str
-    worse: bool = False
-
-    def __str__(self) -> str:
-        return f"{'worse than' if self.worse else 'changed since'} the baseline: {self.text}"
-
-
 def changes(old: Summary, new: Summary) -> list[Change]:
     """What changed, the worse first; where one of the two could not run at all, only that and what was asked for."""
     before, after = (summary.model_dump(include={"scene", "sampling", "environment"}) for summary in (old, new))
@@ -50,13 +38,7 @@ def changes(old: Summary, new: Summary) -> list[Change]:
     if not (old.engines and new.engines):
         became = Change("it runs" if new.engines else "it does not run", worse=not new.engines)
         return [became, *given] if old.engines or new.engines else given
-    changed = [
-        *given,
-        *_engines(old, new),
-        *_errors(old, new, alike=alike),
-        *_peaks(old, new, alike=alike),
-        *_times(old, new),
-    ]
+    changed = [*given, *_engines(old, new), *_errors(old, new, alike), *_peaks(old, new, alike), *_times(old, new)]
     return sorted(changed, key=lambda change: not change.worse)
 
 
@@ -103,7 +85,7 @@ def _engines(old: Summary, new: Summary) -> Iterator[Change]:
             yield Change(f"{name}: run at {_few(differ)}")
 
 
-def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
+def _errors(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
     after = {(error.engine, error.channel): error for error in new.errors}
     compared = {error.engine for error in new.errors}
     grouped: dict[tuple[str, str, str, bool], list[tuple[float, str]]] = {}
@@ -134,7 +116,7 @@ def _size(error: SummaryError) -> str:
     return "unknown" if error.max is None else f"{error.max:.1e}"
 
 
-def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
+def _peaks(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
     before, after = ({(peak.name, peak.of): peak for peak in summary.peaks} for summary in (old, new))
     size: dict[tuple[str, str], float] = {}  # the largest of the same place and unit, as the stroke of a dead point
     largest = dict.fromkeys(("m", "N"), 0.0)  # of a unit
@@ -149,11 +131,10 @@ def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
         if now is None:
             moves.append((0.0, f"{name} ({of}) in it alone"))
             continue
-        if abs(now.value - was.value) <= ROUNDING * largest[was.unit]:
-            continue
-        moved = abs(now.value - was.value) / size[of, was.unit]
+        by = abs(now.value - was.value)
+        moved, rounding = by / size[of, was.unit], by <= ROUNDING * largest[was.unit]
         differ = [differs for peak in (was, now) for differs in peak.differs.values() if differs is not None]
-        if not moved <= max(LEAST, *differ, 0.0):
+        if not (rounding or moved <= max(LEAST, *differ, 0.0)):
             unit, own = in_file(now.unit, new.scene)
             digits = 6 if moved > 1e-5 else 12
             values = f"{now.value / own:.{digits}g} {unit}".strip(), f"{was.value / own:.{digits}g}"

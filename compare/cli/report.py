@@ -9,28 +9,31 @@ from contextlib import nullcontext
 from dataclasses import replace
 from math import isnan, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from scenes import Sampling, Scene
 from scenes.errors import nearest
 
+from ..ci.baseline import changes
 from ..engines import registry
+from ..engines.processes.stopping import Stopped, stoppable
+from ..judge.agreement import Judgement
+from ..judge.errors import shown_groups
+from ..judge.floor import UnsolvedError, solvable
+from ..judge.measure import Miss
 from ..measure.many.grid import grid
-
-if TYPE_CHECKING:
-    from ..ci.baseline import Change
-    from ..judge.agreement import Judgement
-    from ..study import Study
+from ..measure.speed.timing import Budget
+from ..report.output import files
+from ..report.output.earlier import Change, Summary, before, last
+from ..report.plain import json_text
+from ..report.tables import assemblies as assembly_tables
+from ..report.tables import speed as speed_tables
+from ..report.tables.proof import sentences
+from ..study import Study, judged, study
 
 
 def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
     """Write one scene's report, and return whether it misses a tolerance."""
-    from ..engines.processes.stopping import Stopped, stoppable
-    from ..judge.floor import UnsolvedError
-    from ..measure.speed.timing import Budget
-    from ..report.output import files as output
-    from ..report.output.earlier import before
-    from ..study import study
 
     def progress(doing: str) -> None:
         if stopping():
@@ -50,20 +53,20 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
     except Stopped:
         raise KeyboardInterrupt from None
     except UnsolvedError as unsolved:
-        known = output.unsolved_summary(scene, request, unsolved)
-        folder = output.write_unsolved(scene, unsolved, options.out, known | _since(scene, options, known))
+        known = files.unsolved_summary(scene, request, unsolved)
+        folder = files.write_unsolved(scene, unsolved, options.out, known | _since(scene, options, known))
         show_page("report", folder / "report.html", "", options)
         raise
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
     show(f"{scene.name}: writing the report")
-    since = {} if stopped else _since(scene, options, output.summary(result))
+    since = {} if stopped else _since(scene, options, files.summary(result))
     if (changed := since.get("since_baseline")) is not None:
         result.reasons.extend(map(str, changed) if changed else ["nothing changed since the baseline"])
     drawn = before(options.baseline[scene.name], options.against, scene) if options.against else None
     if drawn and not drawn.motion.samples:
         result.reasons.append("of the run before no motion is at hand: motion.analytic.csv beside its summary is drawn")
-    folder = output.write(result, options.out, since, drawn, complete=not stopped)
+    folder = files.write(result, options.out, since, drawn, complete=not stopped)
     print_result(result)
     show_page("report", folder / "report.html", "what was done" if stopped else "", options)
     if not options.check:
@@ -75,18 +78,14 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
     return stops(scene, {scene.name: result}, options.format, worse)
 
 
-def _since(scene: Scene, options: Namespace, known: Mapping[str, Any]) -> dict[str, list["Change"]]:
+def _since(scene: Scene, options: Namespace, known: Mapping[str, Any]) -> dict[str, list[Change]]:
     """What changed since the baseline and since the last run, for the summary, where there is one."""
-    from ..ci.baseline import changes
-    from ..report.output.earlier import Summary, last
-    from ..report.plain import json_text
-
     new = Summary.model_validate_json(json_text(known))
     old = {"since_baseline": (options.baseline or {}).get(scene.name), "since_last_run": last(options.out, scene)}
-    return {name: changes(before, new) for name, before in old.items() if before}
+    return {name: changes(earlier, new) for name, earlier in old.items() if earlier}
 
 
-def _in_full(result: "Study", options: Namespace, progress: Callable[[str], None]) -> "Study":
+def _in_full(result: Study, options: Namespace, progress: Callable[[str], None]) -> Study:
     from scenes.hard import catalogue, ladder
 
     from ..measure.hard.case import hard_cases
@@ -99,32 +98,24 @@ def _in_full(result: "Study", options: Namespace, progress: Callable[[str], None
     return replace(result, maps=maps, hard=hard)
 
 
-def print_result(result: "Study") -> None:
+def print_result(result: Study) -> None:
     """Print the verdict, a line an engine, the reasons and causes."""
-    from ..judge.errors import shown_groups
-    from ..report.tables import speed as speed_tables
-    from ..report.tables.proof import sentences
-
-    for sentence in (result.agreement, *sentences(result)):
-        print(f"{result.scene.name}  {sentence}")
+    lines = [str(result.agreement), *sentences(result)]
     for m in result.measurements:
         worst = {group: m.worst().get(group, nan) for group in shown_groups(result.scene)}
         errors = "  ".join(f"{group} {error:.1e}" for group, error in worst.items() if not isnan(error))
-        print(f"{result.scene.name}  {m.run.engine:14} {m.run.status.name:15} {errors}")
-    known = [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
-    known += [f"likely cause: {cause}" for cause in result.causes.values()]
-    for sentence in (*known, *result.reasons, speed_tables.verdict(result)):
-        print(f"{result.scene.name}  {sentence}")
+        lines.append(f"{m.run.engine:14} {m.run.status.name:15} {errors}")
+    lines += [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
+    lines += [f"likely cause: {cause}" for cause in result.causes.values()]
+    for line in (*lines, *result.reasons, speed_tables.verdict(result)):
+        print(f"{result.scene.name}  {line}")
 
 
-def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, more: Sequence[str] = ()) -> bool:
+def stops(scene: Scene, judged: Mapping[str, Judgement], output_format: str, more: Sequence[str] = ()) -> bool:
     """Name every tolerance that was missed and every engine that failed, and return whether there is any.
 
     What was judged is by name; with `github` as format there are annotations and a step summary besides.
     """
-    from ..ci import github
-    from ..judge.measure import Miss
-
     if judged and not any(judgement.held for judgement in judged.values()):
         print(f"{scene.name}  no tolerance is declared for these engines; each is held to its promise")
     run = {m.run.engine for judgement in judged.values() for m in judgement.measurements}
@@ -139,6 +130,8 @@ def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, m
             if not gate.held:
                 print(f"{name}  not held: {gate}")
     if output_format == "github":
+        from ..ci import github
+
         github.report(scene, judged, misses)
     return any(misses.values())
 
@@ -163,36 +156,35 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     from ..engines.processes.cluster import cluster
     from ..measure.many.family import Asked, Family
     from ..measure.many.going_on import going_on, kept_members
-    from ..report.output import files as output
     from ..report.tables.family import agreement, label, on_a_line
-    from ..study import judged
+
+    members = grid(options.vary)
+    family = Family(scene, options.vary, options.engines)
 
     def progress(doing: str) -> None:
-        show(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
+        show(f"{scene.name}: member {len(family.members) + 1} of {len(members)}: {doing}")
 
-    changes = grid(options.vary)
-    family = Family(scene, options.vary, options.engines)
     asked = Asked(scene.file, options.engines, request)
     kept = kept_members(options.out, scene, asked)
     stopped, several = False, options.workers or options.scheduler
     try:
         with cluster(options.workers, options.scheduler) if several else nullcontext() as client:
-            for member in going_on(kept, asked, changes, client, progress):
+            for member in going_on(kept, asked, members, client, progress):
                 family.members.append(member)
                 print(f"{scene.name}  {on_a_line(family, member)}")
     except KeyboardInterrupt:
         if not family.members:
             raise
         stopped = True
-    family.members.sort(key=lambda member: changes.index(member.changes))
+    family.members.sort(key=lambda member: members.index(member.changes))
     progress("writing the report")
-    page = output.write_family(family, options.out) / "family.html"
+    page = files.write_family(family, options.out) / "family.html"
     print(f"{scene.name}  {agreement(family)}")
     if family.complete:
         kept.forget()
     if kept.trouble:
         print(f"{scene.name}  {kept.trouble}")
-    done = f"the {len(family.members)} of {len(changes)} members that were done"
+    done = f"the {len(family.members)} of {len(members)} members that were done"
     show_page("family", page, done if stopped else "", options)
     if not options.check:
         return False
@@ -205,16 +197,12 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
 def assemblies(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
     """Write all assemblies of a scene, and return that no tolerance was missed: none is looked at, nor any sample."""
     del request
-    from ..judge.floor import solvable
-    from ..report.output import files as output
-    from ..report.tables.assemblies import sentence, ways
-
     show(f"{scene.name}: all assemblies")
     with solvable(scene):
         every = registry.assemblies(scene)
-    folder = output.write_assemblies(scene, every, options.out)
-    print(f"{scene.name}  {sentence(scene, every)}")
-    for row in ways(scene, every):
+    folder = files.write_assemblies(scene, every, options.out)
+    print(f"{scene.name}  {assembly_tables.sentence(scene, every)}")
+    for row in assembly_tables.ways(scene, every):
         print(f"{scene.name}  {', '.join(f'{name} {value}' for name, value in row.items() if value)}")
     show_page("assemblies", folder / "assemblies.html", "", options)
     return False
@@ -224,7 +212,6 @@ def monte_carlo(scene: Scene, request: Sampling, options: Namespace, show: Calla
     """Write what one scene's tolerances do, and return whether the linkage as drawn misses a tolerance."""
     from ..judge.canaries.canaries import canaries
     from ..measure.many.study import begun, solved
-    from ..report.output import files as output
     from ..report.tables.monte_carlo import ran, verdicts
 
     def progress(doing: str) -> None:
@@ -239,7 +226,7 @@ def monte_carlo(scene: Scene, request: Sampling, options: Namespace, show: Calla
         if not study.blocks:
             raise
     progress("writing the report")
-    page = output.write_monte_carlo(study, options.out) / "monte_carlo.html"
+    page = files.write_monte_carlo(study, options.out) / "monte_carlo.html"
     for sentence in (ran(study), *verdicts(study)):
         print(f"{scene.name}  {sentence}")
     done = f"the {study.count} of {study.asked} machines that were done"

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from scenes import Engine, InputError, Sampling, Scene, Settings, Status, load, shipped
+from scenes import Engine, InputError, Request, Sampling, Scene, Settings, Status, load, shipped
 
 from ..engines import TRACEBACK, registry
 from ..engines.runner import Run, run
@@ -68,7 +68,7 @@ def solved(name: str) -> Scene:
     pytest.fail("expected an engine that solves one of the shipped scenes")
 
 
-def outcome(engine: str, scene: Scene, request: Sampling = SAMPLING, settings: Settings | None = None) -> str:
+def outcome(engine: str, scene: Scene, request: Request = SAMPLING, settings: Settings | None = None) -> str:
     """The fault of a run by its own output, the reference and its promise, in a sentence, or nothing."""
     kept = request == SAMPLING and settings is None
     ended = plain_run(engine, scene.name) if kept else run(engine, scene, request, settings)

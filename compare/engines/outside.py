@@ -148,9 +148,9 @@ def check(engine: Engine[Any]) -> None:
         settings += ladder
     for each in (*settings, *([engine.at_steps(24)] if engine.at_steps else [])):
         check_settings(each)
-    labels = Counter(each.label for each in dict.fromkeys(settings))
-    if again := next((label for label, number in labels.items() if number > 1), None):
-        raise ValueError(f"expected a label of its own for each of its settings, found two of {again}")
+    ((label, number),) = Counter(each.label for each in dict.fromkeys(settings)).most_common(1)
+    if number > 1:
+        raise ValueError(f"expected a label of its own for each of its settings, found two of {label}")
 
 
 def check_settings(settings: object) -> None:

@@ -6,7 +6,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, Failure, InputError, Motion, Scene, Settings, Status
+from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
 from scenes.model.enclosures import Assemblies, Enclosures, MotionRange
 from scenes.model.motion import Samples
@@ -16,12 +16,13 @@ from .outside import Entry as Entry
 from .processes.inside import Ended
 
 Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
+ByName: TypeAlias = Mapping[str, Samples]  # of channels, or of numbers of the scene file by their paths
 
 
 class Many(Protocol):
     """The motions of m machines, as the analytic core returns them."""
 
-    samples: Mapping[str, Samples]  # by channel, shape (m, n), SI; NaN where a machine does not assemble
+    samples: ByName  # shape (m, n), SI; NaN where a machine does not assemble
     status: Sequence[Status]  # how each machine ended
     reason: Sequence[str]  # why it is not ok, in a sentence; empty where it is
 
@@ -124,25 +125,6 @@ def checked_reference(scene: Scene) -> Solve:
     return solve
 
 
-def many(scene: Scene, changes: Mapping[str, Samples], channels: frozenset[str]) -> SolveMany:
-    """Return the analytic core's solver of m machines that differ in some numbers, for some channels.
-
-    These are by path, each of shape (m,), in the units of the file.
-    """
-    return cast("SolveMany", import_module("analytic").many_solver(scene, changes, channels))
-
-
-def derivatives(
-    scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
-) -> Mapping[str, Samples]:
-    """Return the exact derivatives of channels by p numbers of the scene file, at n fixed positions of the drive.
-
-    Each is of shape (p, n), in SI per unit of the file of the number; positions are in rad or m, times in s.
-    """
-    by_channel = import_module("analytic").derivatives(scene, paths, position, time, channels)
-    return cast("Mapping[str, Samples]", by_channel)
-
-
 def enclosures(scene: Scene, names: frozenset[str] | None, off: Mapping[str, float] | None = None) -> Enclosures:
     """Return what the analytic core proves of channels and magnitudes, or of all, over the whole range of the drive.
 
@@ -156,24 +138,17 @@ def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
     return cast("Assemblies", import_module("analytic").assemblies(scene, circuits=circuits))
 
 
-def page_program(scene: Scene, position: Samples, time: Samples) -> Mapping[str, Any] | None:
-    """Return the core's formulas as JavaScript, see `analytic.page_program`; None where they take iterations."""
-    return cast("Mapping[str, Any] | None", import_module("analytic").page_program(scene, position, time))
+def _of_core(name: str) -> Callable[..., Any]:
+    return lambda *arguments: getattr(import_module("analytic"), name)(*arguments)
 
 
-def stopped(scene: Scene, failure: Failure | None) -> MotionRange | None:
-    """Return how far a linkage goes that the reference failed on, by the analytic core; None where it has no pose."""
-    return cast("MotionRange | None", import_module("analytic").stopped(scene, failure and failure.at))
-
-
-def route(scene: Scene) -> str:
-    """Return by which way the reference solves a scene, in a few words."""
-    return cast("str", import_module("analytic").route(scene))
-
-
-def in_closed_form(scene: Scene) -> bool:
-    """Return whether the reference solves a scene without iterations."""
-    return cast("bool", import_module("analytic").in_closed_form(scene))
+# Functions of the analytic core, which is imported when one is called; they are documented there.
+route: Callable[[Scene], str] = _of_core("route")
+in_closed_form: Callable[[Scene], bool] = _of_core("in_closed_form")
+page_program: Callable[[Scene, Samples, Samples], Mapping[str, Any] | None] = _of_core("page_program")
+many: Callable[[Scene, ByName, frozenset[str]], SolveMany] = _of_core("many_solver")
+derivatives: Callable[[Scene, Sequence[str], Samples, Samples, frozenset[str]], ByName] = _of_core("derivatives")
+stopped: Callable[[Scene, tuple[float, str] | None], MotionRange | None] = _of_core("stopped")
 
 
 def tiers(name: str) -> Mapping[str, Settings]:

@@ -20,9 +20,6 @@ from .processes.inside import Ended, Limits
 from .reasons import described, text_of
 from .threads import one_thread
 
-if sys.platform != "win32":
-    from resource import RUSAGE_SELF, getrusage
-
 SECONDS, MEMORY = 20.0, 2 * 2**30  # of processor time, and bytes, for a run of few samples: a hang ends soon
 SECONDS_EACH = 1e-4  # more for every value asked for, or found on the way; the slowest settings take a tenth
 MEMORY_EACH = 256  # bytes more for every one of those; a motion is 8
@@ -121,7 +118,9 @@ def processor_time() -> float:
     """Return the processor time of this process, s, by a clock whose ticks stay fine under `ulimit -t`."""
     if sys.platform == "win32":
         return process_time()
-    usage = getrusage(RUSAGE_SELF)
+    import resource  # not on Windows
+
+    usage = resource.getrusage(resource.RUSAGE_SELF)
     return usage.ru_utime + usage.ru_stime
 
 
@@ -146,7 +145,6 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *,
     return replace(
         failed,
         status=Status.ok,
-        reason="",
         found_by="",
         motion=_plain(returned) if reads else None,
         build_s=max(built - started, TICK),

@@ -16,8 +16,7 @@ import numpy as np
 
 from scenes.model.motion import Samples, quantity
 
-VECTORS = {"x": "y", "vx": "vy", "ax": "ay", "fx": "fy"}
-COMPONENTS = {*VECTORS, *VECTORS.values()}
+COMPONENTS = {f"{of}{axis}" for of in ("", "v", "a", "f") for axis in "xy"}
 ANGLES = ("angle", "crank_angle")
 MOMENTS = ("guide_moment", "torque")
 TURNING = ("omega", "alpha", "guide_force", *MOMENTS)  # of the opposite sign where a frame is mirrored
@@ -59,9 +58,8 @@ def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
         elif kind in TURNING:
             other[channel] = way * own * (frame.factor if kind in MOMENTS else 1.0)
     for x, y in vectors(samples):
-        some = samples.get(x, samples.get(y))
-        assert some is not None
-        vector = turn * (samples.get(x, 0 * some) + way * 1j * samples.get(y, 0 * some))
+        zero = 0 * samples[x if x in samples else y]
+        vector = turn * (samples.get(x, zero) + way * 1j * samples.get(y, zero))
         if quantity(x) != "fx":
             vector = frame.factor * vector + (frame.origin if quantity(x) == "x" else 0)
         other |= {c: part for c, part in ((x, vector.real), (y, vector.imag)) if c in samples}
@@ -70,10 +68,7 @@ def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
 
 def vectors(names: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Yield the two components of each vector of which there is one at least."""
-    first = {y: x for x, y in VECTORS.items()}
-    stems = ((name[: -len(quantity(name))], quantity(name)) for name in names if quantity(name) in COMPONENTS)
-    pairs = ((f"{stem}{first.get(kind, kind)}", f"{stem}{VECTORS[first.get(kind, kind)]}") for stem, kind in stems)
-    yield from dict.fromkeys(pairs)
+    yield from dict.fromkeys((f"{name[:-1]}x", f"{name[:-1]}y") for name in names if quantity(name) in COMPONENTS)
 
 
 def unit_near(factor: float, si: str, hair: float) -> str:

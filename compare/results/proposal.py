@@ -18,7 +18,7 @@ from scenes.model.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines.registry import Solve, reference
-from .frame import KNOWN, OF_ANGLES, VECTORS, Frame, seen, unit_near
+from .frame import KNOWN, OF_ANGLES, Frame, seen, unit_near, vectors
 from .proposal_text import NOISE, TOLD_APART, Axis, Pair, as_toml
 from .result import name_and_file
 from .table import Table, read_table
@@ -55,8 +55,8 @@ def proposed(scene: Scene, text: str) -> str:
     for mirrored, angle in product((False, True), turn + pi / 2 * np.arange(4)):
         theirs = seen(Frame(float(angle if mirrored else -angle), mirrored=mirrored), own)
         ways.append((*_paired(theirs, columns[rest]), (float(angle), mirrored)))
-    pairs, seconds, _, frame = min(ways, key=lambda way: way[2] + FRAME * any(way[3]))
-    return "\n".join(as_toml(scene, axis, [names[k] for k in rest], pairs, seconds, frame, alone)) + "\n"
+    pairs, _, frame = min(ways, key=lambda way: way[1] + FRAME * any(way[2]))
+    return "\n".join(as_toml(scene, axis, [names[k] for k in rest], pairs, frame, alone)) + "\n"
 
 
 def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
@@ -170,8 +170,8 @@ def _left(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
 def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
     """Return the angle of the frame but for right angles: the one that most columns have to a vector they fit."""
     angles = []
-    for x in (c for c in true if quantity(c) in VECTORS):
-        base = np.array([true[x], true[f"{x[:-1]}y"]])
+    for x, y in vectors(true):
+        base = np.array([true[x], true[y]])
         base = base - base.mean(axis=1, keepdims=True)
         if np.linalg.cond(base) < 1e3:
             for column in columns[_left(base, columns) < SAME]:
@@ -182,18 +182,18 @@ def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
     return turn if abs(turn) > SAME_UNIT else 0.0
 
 
-def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[list[Pair], dict[int, float], float]:
-    """Return the pairs that cost least together, what the next best channel leaves of each column, and the cost."""
+def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[list[Pair], float]:
+    """Return the pairs that cost least together, those that fit, and the cost of all."""
     from scipy.optimize import linear_sum_assignment
 
     fits = _pairs(seen, columns)
     costs = np.array([[_cost(pair) for pair in row] for row in fits])
     rows, chosen = linear_sum_assignment(costs)
-    pairs, seconds = [], {}
-    for k, c in zip(rows.tolist(), chosen, strict=True):
-        pairs += [fits[k][c]] * (fits[k][c].left <= FITS)
-        seconds[k] = min((p.left for n, p in enumerate(fits[k]) if n != c and p.unit), default=1.0)
-    return pairs, seconds, float(costs[rows, chosen].sum())
+    pairs = []
+    for k, c in zip(rows, chosen, strict=True):
+        second = min((p.left for n, p in enumerate(fits[k]) if n != c and p.unit), default=1.0)
+        pairs.append(fits[k][c]._replace(second=second))
+    return [pair for pair in pairs if pair.left <= FITS], float(costs[rows, chosen].sum())
 
 
 def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:

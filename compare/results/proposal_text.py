@@ -1,6 +1,6 @@
 """A proposed mapping as TOML, and the units that it may name."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from json import dumps
 from typing import NamedTuple
 
@@ -38,6 +38,7 @@ class Pair(NamedTuple):
     unit: str
     sign: int
     zero: float  # of the column, in its unit
+    second: float = 1.0  # what the next best channel leaves of it
 
 
 def as_toml(
@@ -45,14 +46,12 @@ def as_toml(
     axis: Axis,
     names: Sequence[str],
     pairs: Sequence[Pair],
-    seconds: Mapping[int, float],
     frame: tuple[float, bool],
     alone: bool,
 ) -> Iterator[str]:
     """Yield the lines of a mapping, each with a remark on how sure it is.
 
-    The rows are by `axis`, and can be of no other instants if `alone`; by column `seconds` has what the next best
-    channel leaves of it; its frame is turned, rad, and mirrored or not.
+    The rows are by `axis`, and can be of no other instants if `alone`; its frame is turned, rad, and mirrored or not.
     """
     turn, mirrored = frame
     yield "# Proposed from the columns alone; every line is to be confirmed."
@@ -73,14 +72,14 @@ def as_toml(
     sure = {  # in a known unit, and far better than by the next best channel
         pair.channel
         for pair in pairs
-        if alone and pair.unit and pair.left <= SURE and TOLD_APART * max(pair.left, NOISE) <= seconds[pair.column]
+        if alone and pair.unit and pair.left <= SURE and TOLD_APART * max(pair.left, NOISE) <= pair.second
     }
     for pair in sorted(pairs, key=lambda pair: channels(scene).index(pair.channel)):
-        kind, left, second = quantity(pair.channel), pair.left, seconds[pair.column]
+        kind = quantity(pair.channel)
         free = origin and kind in ("x", "y")
         whole = not turn or {f"{pair.channel[:-1]}{q}" for q in ("xy" if kind[-1] in "xy" else kind[-1])} <= sure
         is_sure = pair.channel in sure and whole  # a frame that is turned mixes both components
-        remark = f"{'sure' if is_sure else 'unsure'}: leaves {left:.0e}, the next best channel {second:.0e}"
+        remark = f"{'sure' if is_sure else 'unsure'}: leaves {pair.left:.0e}, the next best channel {pair.second:.0e}"
         remark += "" if pair.unit else "; its unit is unknown"
         line = _line(pair.channel, names[pair.column], pair.unit, pair.sign, 0.0 if free else pair.zero, UNITS[kind])
         yield f"{line}  # {remark}"

@@ -24,7 +24,7 @@ from .table import Table, read_table
 
 Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
 
-REVERSED = ("vx", "vy", "omega")  # where time runs the other way
+REVERSED = ("time", "vx", "vy", "omega")  # where time runs the other way
 EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ; and of a cycle its end
 BEYOND = 1e-2  # of a cycle: so far decimals may put a row outside the run of the drive
 
@@ -115,9 +115,8 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
         halves = {c: values[::-1] for c, values in halves.items()}
     by = scene.drive_channel
     with_drive = by in columns
-    _on_time(scene, columns, halves, backwards=mapping.backwards)
-    given = [channel for channel in known if channel in columns]
-    own = frozenset(given) - {"time", by}
+    _on_time(scene, columns, halves)
+    own = frozenset(columns) - {"time", by}
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {by} at least")
     drive = scene.drive.at(columns["time"]).position
@@ -184,23 +183,19 @@ def _on_this_side(scene: Scene, columns: Columns, other_side: Sequence[str]) -> 
     columns |= {channel: -columns[channel] for channel in turned & columns.keys()}
 
 
-def _on_time(scene: Scene, columns: Columns, halves: Columns, *, backwards: bool) -> None:
+def _on_time(scene: Scene, columns: Columns, halves: Columns) -> None:
     """Complete the instants, s, of rows that have a position of the drive alone, and check their order."""
     drive, by = scene.drive, scene.drive_channel
-    if "time" in columns:
-        if backwards:
-            columns["time"] = -columns["time"]
-    elif not isinstance(drive, ConstantSpeed):
-        raise InputError("columns.time: missing; the drive follows a motion law")
-    elif by not in columns:
-        raise InputError(f"columns: expected time, or {by}")
-    else:
-        position = columns[by]
+    if "time" not in columns:
+        if not isinstance(drive, ConstantSpeed):
+            raise InputError("columns.time: missing; the drive follows a motion law")
+        if by not in columns:
+            raise InputError(f"columns: expected time, or {by}")
+        position = columns.pop(by)
         if scene.driven_slide is None and not (np.diff(position) * drive.speed > 0).all():
             position = np.unwrap(position)  # it is counted modulo one turn
         columns["time"] = (position - drive.start) / drive.speed
         halves["time"] = halves.pop(by) / abs(drive.speed)
-        columns.pop(by)
     steps = np.diff(columns["time"])
     if not (steps > 0).all():
         row = int((~(steps > 0)).argmax())

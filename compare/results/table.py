@@ -1,9 +1,9 @@
 """A text table of numbers, and by how much each may be off since it is written at decimals."""
 
-import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from hashlib import sha256
 from io import StringIO
 from pathlib import Path
@@ -19,7 +19,7 @@ from ..engines.runner import LARGEST
 
 BYTES = 50_000_000  # reading a table takes 3 s for every ten megabytes
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-NUMBER = re.compile(r"[+-]?(?=\.?\d)(\d*)(?:\.(\d*))?(?:[eEdD]([+-]?\d{1,3}))?")
+NUMBER = re.compile(r"[+-]?(?=\.?\d)\d*(?:\.\d*)?(?:[eEdD][+-]?\d{1,3})?")
 
 
 @dataclass(frozen=True)
@@ -58,12 +58,9 @@ def _float(text: str) -> float:
 
 def _written(text: str) -> tuple[int, int, float]:
     """A number's decimals, its digits but for zeros in front, and the power of ten of the first; -inf of zero."""
-    number = NUMBER.fullmatch(text)
-    assert number
-    whole, part, power = number[1] or "", number[2] or "", int(number[3] or 0)
-    digits = (whole + part).lstrip("0")
-    # the decimals are negative where the power of ten is larger
-    return len(part) - power, len(digits), len(digits) - len(part) - 1 + power if digits else -np.inf
+    number = Decimal(text.upper().replace("D", "E"))
+    _, digits, power = number.as_tuple()  # of the last digit
+    return (-int(power), len(digits), number.adjusted()) if number else (-int(power), 0, -np.inf)
 
 
 def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
@@ -82,16 +79,14 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     head = text.lstrip("\n").partition("\n")[0]
     separator = separator or _separator(head)
     try:
-        names = [name.strip() for name in next(csv.reader([head], delimiter=separator, strict=True), [])]
         cells = pd.read_csv(StringIO(text), sep=separator, header=None, dtype=str, keep_default_na=False)
-    except (csv.Error, ValueError) as error:  # of which pandas has its own kinds
+    except ValueError as error:  # of which pandas has its own kinds
         why = one_line(str(error)).removeprefix("Error tokenizing data. C error: ")
         raise InputError(f"not a table: {why}") from None
-    if cells.shape[1] != len(names):
-        raise InputError(f"expected {len(names)} columns in every row, as the names have, found {cells.shape[1]}")
     if len(cells) < 2:
         raise InputError("expected a row of numbers below the names, found none")
-    texts = [[str(text).strip() for text in cells[number][1:]] for number in cells]
+    names, *rows = ([str(text).strip() for text in row] for row in cells.itertuples(index=False))
+    texts = [list(column) for column in zip(*rows, strict=True)]
     if (decimal or _decimal(texts, separator)) == ",":
         texts = [[text.replace(",", ".") for text in column] for column in texts]
     return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts)

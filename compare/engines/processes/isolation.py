@@ -61,7 +61,6 @@ class Worker(Generic[Item, Result]):
 
     def wait(self, poll: Poll) -> Result | Ended:
         """Wait for the outcome."""
-        wait([self.connection], POLL)
         while not self.done():
             poll()
             wait([self.connection], POLL)

@@ -61,9 +61,15 @@ class _Choice(BaseModel):
     ratio: FiniteFloat | None = None  # of its time to that of the fastest engine of the same run
 
 
-class _Change(BaseModel):
+@dataclass(frozen=True)
+class Change:
+    """What changed since an earlier run, in one line."""
+
     text: OneLine
-    worse: bool
+    worse: bool = False
+
+    def __str__(self) -> str:
+        return f"{'worse than' if self.worse else 'changed since'} the baseline: {self.text}"
 
 
 class Summary(BaseModel):
@@ -79,8 +85,8 @@ class Summary(BaseModel):
     verdict: dict[str, OneLine]
     picture: str = ""
     complete: bool = True
-    since_baseline: list[_Change] | None = None
-    since_last_run: list[_Change] | None = None
+    since_baseline: list[Change] | None = None
+    since_last_run: list[Change] | None = None
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,7 @@ def write(
 
 def write_unsolved(scene: Scene, unsolved: UnsolvedError, folder: Path, known: Mapping[str, Any]) -> Path:
     """Write `report.html` and `summary.json` of a scene that cannot run as `write` does, and return the folder."""
-    way = stopped(scene, unsolved.failure)
+    way = stopped(scene, unsolved.failure.at if unsolved.failure else None)
     drawn = partial(unsolved_page, scene, unsolved, way, known.get("since_baseline", known.get("since_last_run", ())))
     known = {**known, "picture": small(scene, way.motion) if way else sketched(scene)}
     with _result(scene, folder, REPORT, known, drawn, complete=True) as (_, place):

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from compare.ci.baseline import Change, changes, in_file, unit_of
-from compare.report.output.earlier import Summary, read
+from compare.ci.baseline import changes, in_file, unit_of
+from compare.report.output.earlier import Change, Summary, read
 from compare.report.output.files import summary
 from compare.report.plain import json_text
 from compare.run import main
