@@ -42,10 +42,6 @@ class ReducedSystem(ExudynSystem):
         super().__init__(scene, drive, si=si)
         self.unknowns = len(self.state.GetODE2Coordinates())  # and as many multipliers
 
-    def displacement_factors(self, body: str) -> Any:
-        """The factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
-        return 1.0 if body in self.sliders else super().displacement_factors(body)
-
     def narrowed(self, q: Array) -> Array:
         """Return this system's coordinates from x, y and angle of every body, or their rates."""
         narrow = np.empty(self.unknowns)
@@ -83,8 +79,7 @@ class ReducedSystem(ExudynSystem):
         for mine, theirs in ((self.pins, whole.pins), (self.slides, whole.slides)):
             for name, joint in mine.items():
                 every[:, whole.columns(theirs[name])] = multipliers[:, self.columns(joint)]
-        effort = self.drive_factor * multipliers[:, self.columns(self.drive)]
-        every[:, whole.columns(whole.drive)] = effort / whole.drive_factor
+        every[:, whole.columns(whole.drive)] = multipliers[:, self.columns(self.drive)]
         jacobian = equations.jacobian(q)
         rest = equations.forces(q, v, times) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, every)
         for number, name in enumerate(self.bodies):
@@ -139,12 +134,6 @@ class ReducedSystem(ExudynSystem):
             return super().coordinate(GROUND, 0)
         return super().coordinate(body, 0 if body in self.reduced else number)
 
-    def _drive_markers(self) -> tuple[float, Any, Any, float]:
-        driven = self.scene.drive.body
-        if driven in self.sliders:
-            return 1.0, self.coordinate(GROUND, 0), self.coordinate(driven, 0), 1.0
-        return super()._drive_markers()
-
 
 class SpatialSystem(ExudynSystem):
     """Rigid bodies with six coordinates, each held in the plane by itself, so that no joint of a loop is redundant."""
@@ -179,7 +168,7 @@ class SpatialSystem(ExudynSystem):
     def _add_slot(self, name: str, slide: Slide) -> Any:
         raise Failure(Status.unsupported, f"{name} slides on {slide.on}, for which there is no joint in space here")
 
-    def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
+    def _add_drive(self, drive: ExudynDrive) -> Any:
         for name in self.bodies:
             self._hold(name, np.eye(6)[2:5], [0.0, 0.0, 0.0])
         return super()._add_drive(drive)

@@ -62,14 +62,12 @@ def forces(
     for pin, joint in system.pins.items():
         fx, fy = -multipliers[:, system.columns(joint)].T
         every |= {f"{pin}.fx": fx, f"{pin}.fy": fy}
-    effort = -system.drive_factor * multipliers[:, system.columns(system.drive)[0]]
+    effort = -multipliers[:, system.columns(system.drive)[0]]
     for name, constraint in system.slides.items():
         force, moment = -multipliers[:, system.columns(constraint)].T
         if scene.slides[name].on == GROUND:
-            # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f. The drive
-            # moves a slider by its first point, but in coordinates its force acts at C too.
-            total = 1j * force + (effort if name == scene.drive.body else 0)
-            moment = moment - (system.lever(name).conjugate() * system.along(name) * total).imag
+            # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f.
+            moment = moment - (system.lever(name).conjugate() * system.along(name) * 1j * force).imag
         else:
             force = -force  # the joint's first marker is the slider's, and at its first point
         every |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}

@@ -104,10 +104,6 @@ def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressS
     table = load.table
     if table is None:
         return None
-    if isinstance(load, ForceTable):
-        zero, factors = system.displaced(load.body, 0j), system.displacement_factors(load.body)
-        node = system.nodes[load.body]
-        return lambda mbs, _: float(table.at(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
     if table.over == "time":
         return lambda _, clock: float(table.at(drive.zero + clock))
     if table.over == "displacement" or scene.driven_slide is not None:
