@@ -131,8 +131,8 @@ def _switches(poses: PoseSolver, start: Configuration, body: str, loads: Sequenc
 
     def slider(state: Configuration, rate: Any) -> tuple[Any, Any]:
         """Return displacement, m, and velocity, m/s."""
-        (com, _), (tangent, _) = (system.pose_of(body, q) for q in (state.q, state.tangent))
-        return system.displaced(body, com), (system.along(body).conjugate() * tangent).real * rate
+        tangent, _ = system.pose_of(body, state.tangent)
+        return system.displacement(body, state.q), (system.along(body).conjugate() * tangent).real * rate
 
     def at(time: float) -> tuple[float, float]:
         position, rate, _ = map(float, drive.at(time))

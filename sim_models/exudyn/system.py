@@ -92,17 +92,9 @@ class ExudynSystem:
         """The first point of a body, from its centre of mass along its own axes, m."""
         return self.bodies[body].points[self.scene.bodies[body].points[0]]
 
-    def displaced(self, body: str, com: Any) -> Any:
-        """The displacement on the ground of a slider, m, with its centre of mass at `com`."""
-        first = com + self.lever(body) - complex(*self.scene.slides[body].through)
-        return (self.along(body).conjugate() * first).real
-
     def displacement(self, body: str, q: Array) -> Any:
         """The displacement of a slider, m, from coordinates, shape (..., 3 bodies)."""
-        (com, angle), on = self.pose_of(body, q), self.scene.slides[body].on
-        if on == GROUND:
-            return self.displaced(body, com)
-        carrier, turn = self.pose_of(on, q)
+        (com, angle), (carrier, turn) = self.pose_of(body, q), self.pose_of(self.scene.slides[body].on, q)
         first = (com + self.lever(body) * np.exp(1j * angle) - carrier) * np.exp(-1j * turn) - self.through(body)
         return (self.along(body).conjugate() * first).real
 
