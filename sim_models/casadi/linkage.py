@@ -14,33 +14,26 @@ from functools import cached_property
 from typing import Any
 
 import casadi
-import numpy as np
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
-from scenes import Scene
 from scenes.elements.loads import PlainLoad
 from scenes.model.motion import force_channels, kinematic_channels
 from scenes.scene import GROUND, Force, ForceTable, Load, Spring
 
-from ..coordinates.bodies import framed_body, linkage_size
+from ..coordinates.system import System
 
 
 class SymbolicLinkage:
-    """The symbols of one scene; nothing is compiled before it is asked for."""
+    """The symbols of one scene, in the units of its system; nothing is compiled before it is asked for."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.index = {name: number for number, name in enumerate(scene.bodies)}
-        self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
-        self.size = linkage_size(scene, self.bodies)
-        self.x, self.v, self.a = (SX.sym(name, 3 * len(self.index)) for name in "xva")
-        self.units = np.tile([self.size, self.size, 1.0], len(self.index))
-        self._q = self.x * self.units
-        self.drive_unit = 1.0 if scene.driven_slide is None else self.size
-        pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
-        guides = [self.size, 1.0] * len(scene.slides)
-        self.row_units = np.array([self.size] * 2 * len(pins) + guides + [self.drive_unit])
-        self.constraints = vertcat(*pins, *map(self._slide, scene.slides), self.drive_position) / self.row_units
+    def __init__(self, system: System) -> None:
+        self.scene, self.bodies, self.size, self.row_units = system.scene, system.bodies, system.size, system.row_units
+        self.index = {name: number for number, name in enumerate(self.bodies)}
+        self.x, self.v, self.a = (SX.sym(name, len(system.units)) for name in "xva")
+        self._q = self.x * system.units
+        pins = (self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in self.scene.pins)
+        rows = vertcat(*pins, *map(self._slide, self.scene.slides), self.drive_position)
+        self.constraints = rows / self.row_units
 
     def angle(self, body: str) -> Any:
         """Return the angle of a body's x axis, rad."""

@@ -18,7 +18,7 @@ from scenes.model.constraints import joint_rows, misfit
 from scenes.model.motion import Samples
 
 from .constraints import LinkageEquations
-from .rows import angles, solved
+from .rows import solved
 
 LARGEST_TURN = radians(6)  # of any body in one step: a crank's 72 positions a turn are one step each
 # The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
@@ -51,8 +51,7 @@ class Continuation:
     def __init__(self, linkage: LinkageEquations, digits: int, budget: ProcessorBudget) -> None:
         self.linkage, self.budget = linkage, budget
         self.rows = linkage.constraints
-        parts = (self.rows.C, self.rows.S, self.rows.U, self.rows.V)
-        self._C, self._S, self._U, self._V = (np.array(part.tolist(), dtype=float) for part in parts)
+        self._C, self._S = (np.array(part.tolist(), dtype=float) for part in (self.rows.C, self.rows.S))
         self._units = np.array(linkage.units)
         alike = groupby(sorted(_nonlinear(linkage), key=len), key=len)
         self._groups = [np.array([*own]) for _, own in alike]  # the y that are found together, groups of one size each
@@ -156,10 +155,8 @@ class Continuation:
 
     def _varying(self, q: arb_mat) -> Samples:
         """Return B in double precision."""
-        angle = np.array([*map(float, angles(q))])
         B = np.zeros((len(self._C), len(self._S)))
-        B[:, : len(angle)] = -(self._U * np.sin(angle) + self._V * np.cos(angle))
-        for place, slope in self.rows.guided(q).items():
+        for place, slope in self.rows.varying(q).items():
             B[place] = float(slope)
         return B
 

@@ -17,7 +17,7 @@ from scenes import Failure, Status
 from scenes.elements.friction import AT_REST, Friction, PinFriction
 
 from .constraints import LinkageEquations
-from .rows import EquationRows, angles, column, solved
+from .rows import EquationRows, angles, column, part, solved
 
 GROWTH = 0.5  # largest change of any g in one step of the factor on all coefficients, of the largest g
 LEAST_STEP = 1e-12  # of that factor, so near to one where forces grow without bound, or where two solutions meet
@@ -72,7 +72,8 @@ def resisted(
     given = without + Y * column(viscous)
     senses = [(one, one.sense(rate, turning, moving)) for one, rate in zip(frictions, rates, strict=True)]
     parts = [(i, P, one.rows) for i, one in enumerate(frictions) for P in one.presses]
-    terms = [(i, P * _of(given, rows), P * _of(Y, rows)) for i, P, rows in parts]
+    every = range(len(frictions))
+    terms = [(i, P * part(given, rows, [0]), P * part(Y, rows, every)) for i, P, rows in parts]
     pressed = Pressed(linkage.scene.where(float(linkage.position.value(q)[0, 0])), senses, terms)
     dry = pressed.factors(1.0) * column(pressed.enclosed(pressed.followed()))
     t = [-x - v for x, v in zip(dry.entries(), viscous, strict=True)]
@@ -152,7 +153,3 @@ class Pressed(NamedTuple):
             for j, slope in zip(every, (arb_mat([normal]) * B * cs).entries(), strict=True):
                 slopes[i, j] -= slope
         return open_by, slopes
-
-
-def _of(matrix: arb_mat, rows: tuple[int, int]) -> arb_mat:
-    return arb_mat([[matrix[i, j] for j in range(matrix.ncols())] for i in rows])

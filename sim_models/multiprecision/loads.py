@@ -8,7 +8,7 @@ from typing import TypeAlias
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.scene import Force, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
+from scenes.scene import Force, ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
 from .rows import EquationRows, PlaneVector, vector
@@ -71,19 +71,15 @@ def _sized(unit: UnitForce, size: Size) -> GeneralisedForce:
 def _unit_force(linkage: LinkageEquations, load: Load) -> UnitForce:
     """Return what a load does for every N or N m of its size: the derivative of its work, a row of equations."""
     work = EquationRows(1, len(linkage.index))
-    match load:
-        case Force(frame="body", force=force):
-            return _turning(linkage, load, vector(force))
-        case TableForce(frame="body", along=along):
-            return _turning(linkage, load, _unit(along))
-        case TableForce(along=along):
-            linkage.add_point(work, 0, _unit(along), load.body, load.at)
-        case PressForce(force=force):
-            linkage.add_point(work, 0, vector(force), load.body, load.at)
-        case Moment():
-            work.add_angle(0, linkage.index[load.body], arb(1))
-        case _:  # what moves along the guide against what has it
-            work = linkage.displacement(load.body, load.at)
+    if isinstance(load, Moment):
+        work.add_angle(0, linkage.index[load.body], arb(1))
+    elif isinstance(load, ForceTable | GuideForce):  # what moves along the guide against what has it
+        work = linkage.displacement(load.body, load.at)
+    else:
+        force = _unit(load.along) if isinstance(load, TableForce) else vector(load.force)
+        if not isinstance(load, PressForce) and load.frame == "body":
+            return _turning(linkage, load, force)
+        linkage.add_point(work, 0, force, load.body, load.at)
     return lambda q: work.jacobian(q).transpose()
 
 
