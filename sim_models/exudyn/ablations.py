@@ -16,10 +16,10 @@ from weakref import finalize
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.model.constraints import blocks
 from scenes.scene import GROUND, Slide
 
 from .drive import ExudynDrive
-from .equations import blocks
 from .poses import PoseSolver
 from .settings import ExudynExtra, TextbookTimeStepping, TimeStepping
 from .system import TURN, Array, ExudynSystem, exudyn, items

@@ -10,6 +10,7 @@ from collections.abc import Set as AbstractSet
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.model.motion import force_channels
 from scenes.scene import GROUND
 
 from .system import Array, ExudynSystem
@@ -56,19 +57,14 @@ def _wanted(every: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, A
 def forces(
     system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str], friction: Mapping[str, Array] = {}
 ) -> dict[str, Array]:
-    """The force channels, from multipliers of shape (n, constraints), and those of friction."""
-    multipliers, scene = multipliers * system.force_unit, system.scene
-    every = dict(friction)
-    for pin, joint in system.pins.items():
-        fx, fy = -multipliers[:, system.columns(joint)].T
-        every |= {f"{pin}.fx": fx, f"{pin}.fy": fy}
-    effort = -multipliers[:, system.columns(system.drive)[0]]
-    for name, constraint in system.slides.items():
-        force, moment = -multipliers[:, system.columns(constraint)].T
-        if scene.slides[name].on == GROUND:
+    """The force channels, from multipliers in their order, shape (n, constraints), and those of friction."""
+    every = dict(zip(force_channels(system.scene), -system.force_unit * multipliers.T, strict=True))
+    for name, slide in system.scene.slides.items():
+        force, moment = f"{name}.guide_force", f"{name}.guide_moment"
+        if slide.on == GROUND:
             # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f.
-            moment = moment - (system.lever(name).conjugate() * system.along(name) * 1j * force).imag
+            lever = system.lever(name).conjugate() * system.along(name)
+            every[moment] = every[moment] - (lever * 1j * every[force]).imag
         else:
-            force = -force  # the joint's first marker is the slider's, and at its first point
-        every |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
-    return _wanted(every | {scene.effort_channel: effort}, wanted)
+            every[force] = -every[force]  # the joint's first marker is the slider's, and at its first point
+    return _wanted({**every, **friction}, wanted)

@@ -3,19 +3,18 @@
 Its solver computes every term of a step's residual and Jacobian.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.model.constraints import misfit
+from scenes.model.constraints import joint_rows, misfit
 
 from .drive import ExudynDrive
 from .system import Array, ExudynSystem, exudyn
 
 EquationTerm: TypeAlias = Callable[..., Array]
-BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 def _of_many(term: EquationTerm) -> EquationTerm:
@@ -28,12 +27,6 @@ def _of_many(term: EquationTerm) -> EquationTerm:
         return np.array([term(self, *each) for each in zip(q, *more, strict=True)])
 
     return terms
-
-
-def blocks(q: Array) -> Iterator[slice]:
-    """Yield the rows of all samples of the coordinates in turn, of which the Jacobians fit in memory."""
-    rows = max(BLOCK // q.shape[1] ** 2, 1)
-    yield from (slice(first, first + rows) for first in range(0, len(q), rows))
 
 
 class Equations:
@@ -85,8 +78,7 @@ class Equations:
 
     def misfit(self, q: Array, positions: Iterable[float]) -> str:
         """Name the joint that stays open when all others close, near q at the first position where one does."""
-        system = self._system
-        joints = {f"the guide of {name}": system.columns(slide)[:1] for name, slide in system.slides.items()}
-        joints |= {name: system.columns(pin) for name, pin in system.pins.items()}
-        given = self.jacobian, q, np.tile([system.size, system.size, 1.0], len(system.bodies)), joints, system.size
-        return misfit(system.scene, positions, lambda position, at: self.residual(at, position), *given)
+        scene, size = self._system.scene, self._system.size
+        joints, units = joint_rows(scene.pins, scene.slides), np.tile([size, size, 1.0], len(scene.bodies))
+        given = self.jacobian, q, units, joints, size
+        return misfit(scene, positions, lambda position, at: self.residual(at, position), *given)

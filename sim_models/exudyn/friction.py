@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from scenes import Failure, Status
 from scenes.elements.friction import PinFriction
+from scenes.model.constraints import blocks
 from scenes.model.motion import friction_channels
 from scenes.scene import GROUND
 
 from .channels import forces, kinematics
-from .equations import blocks
 from .poses import PoseSolver
 from .system import TURN, Array, ExudynSystem
 

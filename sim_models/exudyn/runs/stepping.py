@@ -15,10 +15,10 @@ import numpy as np
 
 from scenes import Failure, Request, Scene, Status
 from scenes.laws import Piece
+from scenes.model.constraints import blocks
 
 from ..ablations import ReducedSystem, SpatialSystem, add_extras
 from ..drive import ExudynDrive, pieces
-from ..equations import blocks
 from ..loads import add_loads
 from ..poses import Configuration
 from ..settings import ExudynExtra, JacobianUse, TextbookTimeStepping, TimeStepping

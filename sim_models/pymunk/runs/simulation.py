@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
+from scenes.model.constraints import blocks
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
-from ..constraints import LinkageConstraints, PoseArray, blocks
+from ..constraints import LinkageConstraints, PoseArray
 from ..friction import with_friction
 from ..loads import active_presses, applied, instants, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
