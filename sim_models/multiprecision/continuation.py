@@ -5,8 +5,7 @@ the linkage's size. So every criterion here is on y alone, which has no unit: a 
 displacement by Δ sizes, or of one that is longer than the size by Δ of itself, is called a turn for short.
 """
 
-from collections.abc import Iterable, Iterator
-from itertools import groupby
+from collections.abc import Iterable
 from math import radians
 from typing import NamedTuple
 
@@ -53,8 +52,6 @@ class Continuation:
         self.rows = linkage.constraints
         self._C, self._S = (np.array(part.tolist(), dtype=float) for part in (self.rows.C, self.rows.S))
         self._units = np.array(linkage.units)
-        alike = groupby(sorted(_nonlinear(linkage), key=len), key=len)
-        self._groups = [np.array([*own]) for _, own in alike]  # the y that are found together, groups of one size each
         self.converged = 10.0 ** (-2 * digits / 3)
         self.halo = arb_mat([[arb(0, unit * self.converged)] for unit in linkage.units])
         self.counters = {"steps": 0, "rejected_steps": 0, "newton_iterations": 0}
@@ -129,11 +126,9 @@ class Continuation:
 
         det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of S J^-1 ΔB is less than one, no matrix on the line
         between the two is singular. The least of its norms in any units of y is the spectral radius of the matrix of
-        its magnitudes (Perron and Frobenius), which is block triangular as J is.
+        its magnitudes (Perron and Frobenius).
         """
-        relative = np.abs(self._S @ (inverse @ change))
-        parts = (relative[own[:, :, np.newaxis], own[:, np.newaxis, :]] for own in self._groups)
-        return float(max((np.abs(np.linalg.eigvals(part)).max() for part in parts), default=0.0))
+        return float(np.abs(np.linalg.eigvals(np.abs(self._S @ (inverse @ change)))).max())
 
     def _newton(self, q: arb_mat, goal: arb_mat, turn: float, enough: float) -> arb_mat | None:
         """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
@@ -177,16 +172,6 @@ class Continuation:
         open_by = _misfit(self.linkage, q, np.linspace(here, there, TRIALS)[1:])
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
         return Failure(Status.cannot_assemble, reason + open_by)
-
-
-def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
-    """Yield for every group of equations that is not linear in its own unknowns in which y it is not."""
-    rows = linkage.constraints
-    terms = [*rows.varying(arb_mat(rows.C.ncols(), 1))]
-    for group in linkage.groups:
-        own = {y for row, y in terms if row in group.rows and not {*rows.moved_by[y]}.isdisjoint(group.columns)}
-        if own:
-            yield sorted(own)
 
 
 def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -> str:
