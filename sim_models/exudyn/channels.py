@@ -32,8 +32,6 @@ def kinematics(
     scene = system.scene
     every = {scene.drive_channel: system.driven(q)}
     for point in scene.moving_points:
-        if wanted.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
-            continue
         body = scene.owners[point][0]
         (c, phi), (dc, omega) = system.pose_of(body, q), system.pose_of(body, v)
         arm = system.bodies[body].points[point] * np.exp(1j * phi)

@@ -78,7 +78,6 @@ class Equations:
 
     def misfit(self, q: Array, positions: Iterable[float]) -> str:
         """Name the joint that stays open when all others close, near q at the first position where one does."""
-        scene, size = self._system.scene, self._system.size
-        joints, units = joint_rows(scene.pins, scene.slides), np.tile([size, size, 1.0], len(scene.bodies))
-        given = self.jacobian, q, units, joints, size
+        scene, system = self._system.scene, self._system
+        given = self.jacobian, q, system.units, joint_rows(scene.pins, scene.slides), system.size
         return misfit(scene, positions, lambda position, at: self.residual(at, position), *given)

@@ -43,6 +43,7 @@ class ExudynSystem:
         self.scene, self.driven_by = scene, drive
         bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, bodies)  # m
+        self.units = np.tile([self.size, self.size, 1.0], len(bodies))  # of x, y and angle of every body
         unit = self.force_unit = 1.0 if si else force_unit(scene, bodies, self.size)  # N, and with it of masses
         self.bodies = {n: replace(b, mass=b.mass / unit, inertia=b.inertia / unit) for n, b in bodies.items()}
         self._container = exudyn.SystemContainer()  # it owns the system
