@@ -17,20 +17,21 @@ def applied(
     scene: Scene,
     ends: Samples,
     slid: Callable[[str], tuple[Any, Any]],
-    way: Callable[[End, End], Any],
+    place: Callable[[End], Any],
     shortest: float = 0.0,
-) -> Iterator[tuple[End, Any]]:
-    """Yield where and with what force, N, as a complex number, loads and springs act, at one time or at many.
+) -> Iterator[tuple[str, Any, Any]]:
+    """Yield body, place, m, and force, N, of loads and springs, as complex numbers, at one time or at many.
 
     By the ends of the press forces' strokes, m, a load; how far, m, and fast, m/s, a slider on the ground is along its
-    guide; the way from one point to another, m; and the length, m, from which a spring has a direction.
+    guide; the place of a point, m; and the length, m, from which a spring has a direction.
     """
     for load, end in zip(scene.loads, ends.tolist(), strict=True):
-        yield (load.body, load.at), _force(scene, load, end, slid)
+        yield load.body, place((load.body, load.at)), _force(scene, load, end, slid)
     for spring in scene.springs:
-        pull = _pull(spring, way(spring.first, spring.second), shortest)
-        yield spring.first, pull
-        yield spring.second, -pull
+        first, second = place(spring.first), place(spring.second)
+        pull = _pull(spring, second - first, shortest)
+        yield spring.first[0], first, pull
+        yield spring.second[0], second, -pull
 
 
 def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any, Any]]) -> Any:

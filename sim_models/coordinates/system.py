@@ -206,6 +206,4 @@ class System:
             displacement, velocity, _ = self.slid(bodies, slider)
             return displacement.real, velocity.real
 
-        loads = applied(self.scene, ends, slid, lambda first, second: place(second) - place(first), shortest)
-        for end, force in loads:
-            yield end[0], place(end), force
+        return applied(self.scene, ends, slid, place, shortest)

@@ -73,22 +73,12 @@ class ReducedSystem(ExudynSystem):
         return wide
 
     def _all_multipliers(self, poses: PoseSolver, motion: Array, multipliers: Array, times: Array) -> Array:
-        """Those of all joints, shape (n, constraints), from those that this system has, and what it recorded."""
+        """Those of all joints, shape (n, constraints): this system's own, and the others that the motion needs."""
         (q, v, a), whole, equations = motion, poses.system, poses.equations
-        every = np.zeros(q.shape)
-        for mine, theirs in ((self.pins, whole.pins), (self.slides, whole.slides)):
-            for name, joint in mine.items():
-                every[:, whole.columns(theirs[name])] = multipliers[:, self.columns(joint)]
-        every[:, whole.columns(whole.drive)] = multipliers[:, self.columns(self.drive)]
-        jacobian = equations.jacobian(q)
-        rest = equations.forces(q, v, times) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, every)
-        for number, name in enumerate(self.bodies):
-            if name in self.reduced:
-                turns = name in self.pivots
-                columns = whole.columns(whole.pins[self.pivots[name].channel] if turns else whole.slides[name])
-                # A pin's rows of x and y are a unit matrix; a guide's are its normal, and the angle alone.
-                rows = slice(3 * number, 3 * number + (2 if turns else 3))
-                every[:, columns] = np.einsum("nck,nk->nc", jacobian[:, columns, rows], rest[:, rows])
+        needed = equations.forces(q, v, times) - equations.masses * a
+        every: Array = np.linalg.solve(equations.jacobian(q).swapaxes(1, 2), needed[..., np.newaxis])[..., 0]
+        kept = [*(whole.pins[name] for name in self.pins), *(whole.slides[name] for name in self.slides), whole.drive]
+        every[:, [column for joint in kept for column in whole.columns(joint)]] = multipliers
         return every
 
     def _own(self, body: str) -> slice:

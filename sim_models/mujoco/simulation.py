@@ -116,18 +116,15 @@ class MujocoSimulation(CoordinateSimulation[System]):
             column = self._model.joint(f"{slider}.s").qposadr[0]
             return size * data.qpos[column], size / units.second * data.qvel[column]
 
-        def way(first: End, second: End) -> complex:
-            return size * (self._site(second) - self._site(first))
+        def place(end: End) -> complex:
+            return size * complex(*data.site(":".join(end)).xpos[:2])
 
         data.xfrc_applied[:] = 0
-        for end, force in applied(self._scene, self._ends, slid, way, SHORTEST_SPRING * size):
-            if end[0] != GROUND:
-                body, scaled = data.body(end[0]), force / units.force
-                moment = ((self._site(end) - complex(*body.xipos[:2])).conjugate() * scaled).imag
+        for name, at, force in applied(self._scene, self._ends, slid, place, SHORTEST_SPRING * size):
+            if name != GROUND:
+                body, scaled = data.body(name), force / units.force
+                moment = ((at / size - complex(*body.xipos[:2])).conjugate() * scaled).imag
                 data.xfrc_applied[body.id] += scaled.real, scaled.imag, 0, 0, 0, moment
-
-    def _site(self, end: End) -> complex:
-        return complex(*self._data.site(":".join(end)).xpos[:2])
 
 
 def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends: Samples) -> dict[str, Samples]:
