@@ -65,4 +65,4 @@ def forces(
             every[moment] = every[moment] - (lever * 1j * every[force]).imag
         else:
             every[force] = -every[force]  # the joint's first marker is the slider's, and at its first point
-    return _wanted({**every, **friction}, wanted)
+    return _wanted({**friction, **every}, wanted)
