@@ -16,7 +16,7 @@ from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND
 
 from .bodies import End, MovingBody, framed_body, linkage_size
-from .loads import applied
+from .loads import Wrench, applied
 
 CONTRACTION = 0.25  # largest ratio of a correction to the one before
 FITTING = 0.1  # of a step: the largest first correction
@@ -194,10 +194,8 @@ class System:
             values += bodies[name].turning
         return dict(zip(kinematic_channels(self.scene)[1:], values, strict=True))
 
-    def applied(
-        self, bodies: Mapping[str, MovingBody], ends: Samples, shortest: float = 0.0
-    ) -> Iterator[tuple[str, Any, Any]]:
-        """Yield body, place, m, and force, N, of loads and springs, see `loads`."""
+    def applied(self, bodies: Mapping[str, MovingBody], ends: Samples, shortest: float = 0.0) -> Iterator[Wrench]:
+        """Yield what loads and springs do, see `loads`."""
 
         def place(end: End) -> Any:
             return bodies[end[0]].place(self.arms[end])
