@@ -28,6 +28,7 @@ class SymbolicLinkage:
 
     def __init__(self, system: System) -> None:
         self.scene, self.bodies, self.size, self.row_units = system.scene, system.bodies, system.size, system.row_units
+        self._arms, self._guides = system.arms, system.guides
         self.index = {name: number for number, name in enumerate(self.bodies)}
         self.x, self.v, self.a = (SX.sym(name, len(system.units)) for name in "xva")
         self._q = self.x * system.units
@@ -39,21 +40,21 @@ class SymbolicLinkage:
         """Return the angle of a body's x axis, rad."""
         return 0.0 if body == GROUND else self._q[3 * self.index[body] + 2]
 
-    def turned(self, body: str, vector: Any) -> Any:
+    def turned(self, body: str, vector: complex) -> Any:
         """Return a vector of a body's frame in that of the ground."""
         c, s = casadi.cos(self.angle(body)), casadi.sin(self.angle(body))
-        return vertcat(c * vector[0] - s * vector[1], s * vector[0] + c * vector[1])
+        return vertcat(c * vector.real - s * vector.imag, s * vector.real + c * vector.imag)
 
-    def place(self, body: str, local: Any) -> Any:
+    def place(self, body: str, local: complex) -> Any:
         """Return where a place in a body's frame is, m."""
         if body == GROUND:
-            return vertcat(*local)
+            return vertcat(local.real, local.imag)
         first = 3 * self.index[body]
         return self._q[first : first + 2] + self.turned(body, local)
 
     def point(self, body: str, name: str) -> Any:
         """Return where a body has a point, m."""
-        return self.place(body, self.scene.ground[name] if body == GROUND else self.bodies[body].points[name])
+        return self.place(body, self._arms[body, name])
 
     @property
     def drive_position(self) -> Any:
@@ -62,21 +63,19 @@ class SymbolicLinkage:
         return self.angle(body) if self.scene.driven_slide is None else self.slid(body)
 
     def _slide(self, body: str) -> Any:
-        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self.scene.slides[body].on))
+        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self._guides[body].carrier))
 
     def slid(self, body: str, *, across: bool = False) -> Any:
         """Return where a slider's first point is from `through`, along its guide or across it, m."""
-        slide = self.scene.slides[body]
-        x, y = slide.along
-        axis = self.turned(slide.on, (-y, x) if across else (x, y))
-        way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
-        return casadi.dot(axis, way)
+        carrier, through, along, first = self._guides[body]
+        axis = self.turned(carrier, 1j * along if across else along)
+        return casadi.dot(axis, self.place(body, first) - self.place(carrier, through))
 
     @cached_property
     def required(self) -> Any:
         """d/dt (dT/dv) - d(T - V)/dx - Q: what the multipliers hold, by coordinates."""
         x, v, a = self.x, self.v, self.a
-        kinetic, potential, work = 0.0, 0.0, SX.zeros(x.shape)
+        kinetic, potential, work = SX(0), SX(0), SX.zeros(x.shape)
         for name, body in self.bodies.items():
             com = self.place(name, body.com)
             omega = v[3 * self.index[name] + 2]

@@ -64,9 +64,8 @@ class System:
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, self.bodies)
         self.drive_unit = 1.0 if scene.driven_slide is None else self.size  # of the drive's position
-        known = {GROUND: scene.ground} | {name: body.points for name, body in self.bodies.items()}
-        ends = ((body, point, at) for body, points in known.items() for point, at in points.items())
-        self.arms = {(body, point): complex(*at) for body, point, at in ends}  # in frames that move with the bodies, m
+        self.arms = {(GROUND, point): complex(*at) for point, at in scene.ground.items()}  # in the bodies' frames, m
+        self.arms |= {(name, point): at for name, body in self.bodies.items() for point, at in body.points.items()}
         self.guides = dict[str, GuideLine]()
         for name, slide in scene.slides.items():
             through, along = complex(*slide.through), complex(*slide.along)

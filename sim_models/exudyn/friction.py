@@ -71,12 +71,10 @@ class JointFriction:
         return multipliers + np.einsum("nj,njc->nc", coulomb, change), viscous + coulomb, slip
 
     def _senses(self, q: Array, v: Array, slip: Array) -> Array:
-        points, turning = self._scene.moving_points, self._scene.turning
-        names = [*(f"{point}.v{axis}" for point in points for axis in "xy"), *(f"{body}.omega" for body in turning)]
-        found = kinematics(self._poses.system, set(names), q, v)
-        still = [np.zeros(len(q))]
-        spin = np.max([*still, *(np.abs(found[f"{body}.omega"]) for body in turning)], axis=0)
-        speed = np.max([*still, *(np.hypot(found[f"{p}.vx"], found[f"{p}.vy"]) for p in points)], axis=0)
+        points, still = self._scene.moving_points, np.zeros(len(q))
+        found = kinematics(self._poses.system, {f"{point}.v{axis}" for point in points for axis in "xy"}, q, v)
+        spin = np.abs(v[:, TURN::3]).max(axis=1)
+        speed = np.max([still, *(np.hypot(found[f"{p}.vx"], found[f"{p}.vy"]) for p in points)], axis=0)
         pairs = zip(self._scene.friction, self._pins, slip.T, strict=True)
         return np.transpose([one.sense(rate, spin if pin else speed) for one, pin, rate in pairs])
 

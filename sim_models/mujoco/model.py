@@ -73,7 +73,7 @@ def _content(linkage: System, units: MujocoUnits, parent: str) -> Iterator[str]:
         named = zip(linkage.coordinates_of(name), axes, strict=True)
         joints = (f'<joint name="{joint}" type="{kind}" axis="{axis}"/>' for joint, (kind, axis) in named)
         about = f'diaginertia="{inertia!r} {inertia!r} {inertia!r}"'
-        weight = f'<inertial pos="{_space(complex(*rigid.com) / linkage.size)}" mass="{mass!r}" {about}/>'
+        weight = f'<inertial pos="{_space(rigid.com / linkage.size)}" mass="{mass!r}" {about}/>'
         content = "".join((*joints, weight, *_content(linkage, units, name)))
         yield f'<body name="{name}" pos="{_space(place)}">{content}</body>'
 

@@ -143,7 +143,7 @@ def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends
     for name in (name for name in reversed(system.carriers_first()) if name in system.guides):
         carrier, _, along, first = system.guides[name]
         of, rigid = moving[name], system.bodies[name]
-        foot, (com, _, acceleration) = of.place(first), of.at(complex(*rigid.com))
+        foot, (com, _, acceleration) = of.place(first), of.at(rigid.com)
         needed = rigid.mass * (acceleration - complex(*(scene.gravity or (0, 0))))
         moment = rigid.inertia * of.alpha + ((com - foot).conjugate() * needed).imag
         for wrench in (wrench for wrench in exerted if wrench.body == name):

@@ -5,7 +5,6 @@ the linkage's size. So every criterion here is on y alone, which has no unit: a 
 displacement by Δ sizes, or of one that is longer than the size by Δ of itself, is called a turn for short.
 """
 
-from collections.abc import Iterable
 from math import radians
 from typing import NamedTuple
 
@@ -168,24 +167,17 @@ class Continuation:
 
     def _singular(self, q: arb_mat, goal: arb_mat) -> Failure:
         """Return why no pose follows q on the way to the goal, and which joint stays open from there on."""
-        here, there = float(self.linkage.position.value(q)[0, 0]), float(goal[goal.nrows() - 1, 0])
-        open_by = _misfit(self.linkage, q, np.linspace(here, there, TRIALS)[1:])
+        linkage, rows, scene = self.linkage, self.rows, self.linkage.scene
+        here, there = float(linkage.position.value(q)[0, 0]), float(goal[goal.nrows() - 1, 0])
+        open_by = misfit(  # in doubles
+            scene,
+            np.linspace(here, there, TRIALS)[1:],
+            lambda position, at: _floats(rows.value(_balls(at)) - linkage.drive(position)),
+            lambda at: np.array(rows.jacobian(_balls(at)).tolist(), dtype=float),
+            *(_floats(q), self._units, joint_rows(scene.pins, scene.slides), linkage.size),
+        )
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
         return Failure(Status.cannot_assemble, reason + open_by)
-
-
-def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -> str:
-    """A sentence on which joint stays open, near a pose q, at the first position where one does; so in doubles."""
-    scene, rows = linkage.scene, linkage.constraints
-    joints = joint_rows(scene.pins, scene.slides)
-
-    def gaps(position: float, at: Samples) -> Samples:
-        return _floats(rows.value(_balls(at)) - linkage.drive(position))
-
-    def jacobian(at: Samples) -> Samples:
-        return np.array(rows.jacobian(_balls(at)).tolist(), dtype=float)
-
-    return misfit(scene, positions, gaps, jacobian, _floats(q), np.array(linkage.units), joints, linkage.size)
 
 
 def _floats(balls: arb_mat) -> Samples:

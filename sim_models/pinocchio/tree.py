@@ -98,7 +98,7 @@ class Tree:
         number: int = self.model.addJoint(self.number[joint.parent], kind, place, joint.name)
         body = self.bodies[joint.child]
         about = np.diag([body.inertia / 2, body.inertia / 2, body.inertia])  # only the last matters in the plane
-        inertia = pinocchio.Inertia(body.mass, _space(complex(*body.com) - joint.anchor), about)
+        inertia = pinocchio.Inertia(body.mass, _space(body.com - joint.anchor), about)
         self.model.appendBodyToJoint(number, inertia, pinocchio.SE3.Identity())
         return number
 

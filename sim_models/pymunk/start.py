@@ -4,7 +4,7 @@ pymunk closes open joints by itself, but on any branch nearby. Hence the sketch'
 in small steps, each corrected by Newton's method; no step may change the branch.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from itertools import product
 from math import radians, sqrt, tau
@@ -181,25 +181,18 @@ def _follow(
 
 def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Samples, ahead: float) -> Failure:
     """Tell why there is no next place: none exists, or two are too close together; `ahead` is a step further."""
-    where = linkage.scene.where(position)
+    scene, where = linkage.scene, linkage.scene.where(position)
     if _newton(linkage, q, np.array([position]), gaps, PATIENT_NEWTON_STEPS) is None:
-        open_by = _misfit(linkage, q, np.linspace(position, ahead, TRIALS)[1:])
+        units, joints = np.tile([linkage.size, linkage.size, 1.0], q.shape[1]), joint_rows(scene.pins, scene.slides)
+        open_by = misfit(
+            scene,
+            np.linspace(position, ahead, TRIALS)[1:],
+            lambda position, at: linkage.gaps(at.reshape(q.shape), np.array([position]))[0],
+            lambda at: linkage.jacobian(at.reshape(q.shape))[0],
+            *(q.ravel(), units, joints, linkage.size),
+        )
         return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}{open_by}")
     return Failure(Status.not_converged, f"two ways to put the bodies together are too close to distinguish at {where}")
-
-
-def _misfit(linkage: LinkageConstraints, q: PoseArray, positions: Iterable[float]) -> str:
-    """Name the joint that stays open when all others close, near q at the first position where one does."""
-    joints = joint_rows(linkage.scene.pins, linkage.slides)
-    units = np.tile([linkage.size, linkage.size, 1.0], q.shape[1])
-
-    def jacobian(at: Samples) -> Samples:
-        return np.asarray(linkage.jacobian(at.reshape(q.shape))[0])
-
-    def gaps(position: float, at: Samples) -> Samples:
-        return np.asarray(linkage.gaps(at.reshape(q.shape), np.array([position]))[0])
-
-    return misfit(linkage.scene, positions, gaps, jacobian, q.ravel(), units, joints, linkage.size)
 
 
 def _newton(
