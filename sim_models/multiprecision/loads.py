@@ -8,6 +8,7 @@ from typing import TypeAlias
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
+from scenes.elements.loads import TabledLoad
 from scenes.scene import Force, ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
@@ -16,7 +17,7 @@ from .start import closing_sign
 
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat, arb], arb_mat]  # of q, its rate, both (3 bodies, 1); time, s
 UnitForce: TypeAlias = Callable[[arb_mat], arb_mat]  # Q of 1 N or 1 N m, of q
-Size: TypeAlias = Callable[[arb_mat, arb], arb]  # N or N m, of q and the time, s
+Size: TypeAlias = Callable[[arb_mat, arb_mat, arb], arb]  # N or N m, of the same
 
 HALF_TURN = pi + 1e-9  # rad: half a turn is that, whichever way the scene's numbers were rounded
 
@@ -33,10 +34,9 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
     for load in scene.loads:
         if isinstance(load, Force) and load.frame == "ground":
             linkage.add_point(work, 0, vector(load.force), load.body, load.at)
-        elif isinstance(load, PressForce):
-            others.append(_press(linkage, load, ends[load]))
         else:
-            others.append(_sized(_unit_force(linkage, load), _size(linkage, load)))
+            size = _pressing(linkage, load, ends[load]) if isinstance(load, PressForce) else _size(linkage, load)
+            others.append(_sized(_unit_force(linkage, load), size))
     if scene.gravity is not None:
         for i in linkage.index.values():
             m = linkage.mass[3 * i]
@@ -51,21 +51,19 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
     return total
 
 
-def _press(linkage: LinkageEquations, load: PressForce, end: float) -> GeneralisedForce:
-    """Return a force that acts where the balls prove both: its power is negative, its stroke is in the last part."""
-    unit, displacement = _unit_force(linkage, load), linkage.displacement(load.body)
-    closing = closing_sign(linkage.scene, load)
-
-    def force(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
-        Q, left = unit(q), closing * (end - displacement.value(q)[0, 0])
-        acts = (Q.transpose() * velocity)[0, 0] < 0 and left <= load.last  # neither is proven on the switch
-        return Q * arb(int(acts))
-
-    return force
-
-
 def _sized(unit: UnitForce, size: Size) -> GeneralisedForce:
-    return lambda q, _velocity, time: unit(q) * size(q, time)
+    return lambda q, velocity, time: unit(q) * size(q, velocity, time)
+
+
+def _pressing(linkage: LinkageEquations, load: PressForce, end: float) -> Size:
+    """Return 1 where the balls prove that the slider closes, in the last part of its stroke, else 0."""
+    displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
+
+    def acts(q: arb_mat, velocity: arb_mat, _time: arb) -> arb:
+        rate, left = (displacement.jacobian(q) * velocity)[0, 0], closing * (end - displacement.value(q)[0, 0])
+        return arb(int(closing * rate > 0 and left <= load.last))  # neither is proven on the switch
+
+    return acts
 
 
 def _unit_force(linkage: LinkageEquations, load: Load) -> UnitForce:
@@ -95,15 +93,15 @@ def _turning(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitF
     return of
 
 
-def _size(linkage: LinkageEquations, load: Load) -> Size:
-    if isinstance(load, Force | PressForce) or (table := load.table) is None:
+def _size(linkage: LinkageEquations, load: Force | TabledLoad) -> Size:
+    if (table := load.table) is None:
         size = arb(load.moment if isinstance(load, Moment) else load.force if isinstance(load, GuideForce) else 1)
-        return lambda _q, _time: size
+        return lambda _q, _velocity, _time: size
     value = straight_lines(table.arguments, table.values, periodic=table.periodic)
     if table.over == "time":
-        return lambda _q, time: value(time)
+        return lambda _q, _velocity, time: value(time)
     argument = linkage.position if table.over == "drive" else linkage.displacement(load.body)
-    return lambda q, _time: value(argument.value(q)[0, 0])
+    return lambda q, _velocity, _time: value(argument.value(q)[0, 0])
 
 
 def straight_lines(arguments: Sequence[float], values: Sequence[float], *, periodic: bool) -> Callable[[arb], arb]:

@@ -56,11 +56,11 @@ def solution_in(
 def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> dict[str, float]:
     """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
 
-    A drive's pace is its rate, in rad/s, or in driven slider's travels per second. The error of the forces is that of
-    any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
+    A drive's pace is its peak rate, rad/s, or in travels of the driven slider per second. The error of the forces is
+    that of any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
     """
     scene = linkage.scene
-    pace = float(linkage.law.pace / (1 if scene.driven_slide is None else linkage.law.travel))
+    pace = scene.drive.peak_rate / (1 if scene.driven_slide is None else np.ptp(scene.drive.extent))
     levels = ([_radii(solution[level]) for solution in solutions] for level in range(3))
     motion = [np.max(radii / np.array(linkage.units)) / pace**order for order, radii in enumerate(levels)]
     errors = {"constraints": float(np.max(motion))}

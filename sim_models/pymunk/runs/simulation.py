@@ -164,20 +164,18 @@ def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples,
         C = np.abs(linkage.gaps(q, positions[rows]))
         C[:, 2 * len(scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end
         branches[rows], drift[rows], gap[rows] = linkage.branch(q), C[:, -1], C[:, :-1].max(axis=1)
-    driven = linkage.members[scene.drive.body]
     if scene.driven_slide is None:
-        gap /= max(map(abs, driven.points.values())) or linkage.size  # it may have its pivot alone
-        opening = f"a joint opens by over {LARGEST_GAP:.0%} of the crank's radius"
+        radius = max(map(abs, linkage.members[scene.drive.body].points.values()))
+        gap, most = gap / (radius or linkage.size), "the crank's radius"  # it may have its pivot alone
     else:
-        low, high = scene.drive.extent
-        drift /= high - low
-        gap /= (high - low) / 2
-        opening = f"a joint opens by over {LARGEST_GAP:.0%} of half the drive's travel"
+        travel = np.ptp(scene.drive.extent)
+        drift, gap, most = drift / travel, gap / (travel / 2), "half the drive's travel"
 
     _require(scene, branches == start, positions, Status.wrong_branch, "the linkage flips to another branch")
     if linkage.moved[scene.drive.body].prescribed or scene.drive_on != GROUND:
         drifting = f"'{scene.drive.body}' is not where the drive takes it"
         _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
+    opening = f"a joint opens by over {LARGEST_GAP:.0%} of {most}"
     _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, opening)
     return {"drive": float(drift.max()), "joint_gap": float(gap.max())}
 
