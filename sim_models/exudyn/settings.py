@@ -63,9 +63,8 @@ Options: TypeAlias = Mapping[str, Any]
 def _ladder(name: str, order: int, *steps: int, **options: Any) -> tuple[TimeStepping, ...]:
     """A family of single integrations, of order 2, or of two each, whose extrapolation is of a higher order."""
     pairs = order > 2
-    alike = TimeStepping("", 0, richardson=pairs, family=f"{name}, extrapolated" if pairs else name, **options)
-    labels = (f"{name}, {n}+{2 * n}" if pairs else f"{name}, {n}" for n in steps)
-    return tuple(replace(alike, label=label, steps=n, order=order) for label, n in zip(labels, steps, strict=True))
+    options |= {"richardson": pairs, "family": f"{name}, extrapolated" if pairs else name, "order": order}
+    return tuple(TimeStepping(f"{name}, {n}+{2 * n}" if pairs else f"{name}, {n}", n, **options) for n in steps)
 
 
 def _textbook(*steps: int) -> tuple[TextbookTimeStepping, ...]:
