@@ -5,19 +5,18 @@ constraints as coordinates, so M q'' = F + J^T lambda has one solution, and its 
 guides and the effort of the drive, in the order and with the signs of `scenes.model.motion.force_channels`.
 """
 
-from collections.abc import Iterable, Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from scenes.model.constraints import blocks
-from scenes.model.motion import Samples, force_channels, friction_channels, kinematic_channels
+from scenes.model.motion import Samples, force_channels, kinematic_channels
 from scenes.scene import GROUND
 
 from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, solved
 from .friction import with_friction
-from .loads import Active, applied, instants
+from .loads import active_presses, applied, instants
 from .masses import held
 
 
@@ -69,9 +68,9 @@ def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
 
 
 def wanted_channels(
-    linkage: LinkageConstraints, wanted: AbstractSet[str], time: Samples, motion: Motions, active: Active
+    linkage: LinkageConstraints, time: Samples, motion: Motions, stroke_ends: Sequence[float], *, forces: bool
 ) -> dict[str, Samples]:
-    """The channels, shape (n,), those of forces if one is wanted; `active`, (n, press forces), are those acting."""
+    """The channels, shape (n,), those of forces if wanted; `stroke_ends` are those of the press forces, m."""
     scene = linkage.scene
     values = [linkage.drive_position(motion.q)]
     for point in scene.moving_points:
@@ -81,9 +80,10 @@ def wanted_channels(
     for name in scene.turning:
         values += [of[:, linkage.index[name], 2] for of in motion]
     samples = dict(zip(kinematic_channels(scene)[1:], values, strict=True))
-    if wanted.isdisjoint(force_channels(scene) + friction_channels(scene)):
+    if not forces:
         return samples
-    found = reaction_channels(linkage, motion, applied(linkage, instants(linkage, time, *motion[:2]), active))
+    at = instants(linkage, time, motion.q, motion.v)
+    found = reaction_channels(linkage, motion, applied(linkage, at, active_presses(linkage, at, stroke_ends)))
     return samples | (with_friction(linkage, time, motion.q, found) if scene.friction else found)
 
 

@@ -17,7 +17,7 @@ from scenes.scene import GROUND, ConstantSpeed
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
 from ..constraints import LinkageConstraints, PoseArray
 from ..friction import with_friction
-from ..loads import active_presses, applied, instants, stroke_ends
+from ..loads import applied, instants, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
@@ -76,10 +76,8 @@ class PymunkSimulation:
             motion = Motions(*(_richardson(values) for values in zip(*runs, strict=True)))
             if not isinstance(self._scene.drive, ConstantSpeed):
                 motion = with_rates_of_law(self._linkage, self._times, motion)
-            self._q, wanted = motion.q, frozenset(self._sampling.wanted(self._scene))
-            at = instants(self._linkage, self._times, motion.q, motion.v)
-            active = np.array(active_presses(self._linkage, at, self._stroke_ends), np.bool_).reshape(-1, len(motion.q))
-            self._channels = wanted_channels(self._linkage, wanted, self._times, motion, active.T)
+            self._q, forces = motion.q, self._sampling.wants_forces(self._scene)
+            self._channels = wanted_channels(self._linkage, self._times, motion, self._stroke_ends, forces=forces)
             if self._scene.drive_on != GROUND:  # that of the runs: it need not be linear in the coordinates
                 position = _richardson([self._linkage.drive_position(run.q) for run in runs])
                 self._channels = {**self._channels, self._scene.drive_channel: position}
