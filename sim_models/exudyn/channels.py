@@ -4,8 +4,7 @@ Samples of coordinates have shape (n, 3 bodies): x, y and angle of every body in
 plane are complex numbers, x + iy.
 """
 
-from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
 
 
 def kinematics(
-    system: ExudynSystem, wanted: AbstractSet[str], q: Array, v: Array, a: Array | None = None
+    system: ExudynSystem, wanted: Collection[str], q: Array, v: Array, a: Array | None = None
 ) -> dict[str, Array]:
     """The channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
@@ -47,13 +46,13 @@ def kinematics(
     return _wanted(every, wanted)
 
 
-def _wanted(every: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, Array]:
+def _wanted(every: Mapping[str, Array], wanted: Collection[str]) -> dict[str, Array]:
     """The channels wanted, none of them a part of a larger array, which would stay in memory."""
     return {name: np.ascontiguousarray(samples) for name, samples in every.items() if name in wanted}
 
 
 def forces(
-    system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str], friction: Mapping[str, Array] = {}
+    system: ExudynSystem, multipliers: Array, wanted: Collection[str], friction: Mapping[str, Array] = {}
 ) -> dict[str, Array]:
     """The force channels, from multipliers in their order, shape (n, constraints), and those of friction."""
     every = dict(zip(force_channels(system.scene), -system.force_unit * multipliers.T, strict=True))

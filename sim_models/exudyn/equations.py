@@ -11,7 +11,6 @@ import numpy as np
 
 from scenes.model.constraints import joint_rows, misfit
 
-from .drive import ExudynDrive
 from .system import Array, ExudynSystem, exudyn
 
 EquationTerm: TypeAlias = Callable[..., Array]
@@ -21,9 +20,9 @@ def _of_many(term: EquationTerm) -> EquationTerm:
     """Let a term of one pose take many too: all of its arguments, and then its result, with a leading axis."""
 
     @wraps(term)
-    def terms(self: "Equations", q: Array, *more: Any, **one: Any) -> Array:
+    def terms(self: "Equations", q: Array, *more: Any) -> Array:
         if q.ndim == 1:
-            return term(self, q, *more, **one)
+            return term(self, q, *more)
         return np.array([term(self, *each) for each in zip(q, *more, strict=True)])
 
     return terms
@@ -32,8 +31,8 @@ def _of_many(term: EquationTerm) -> EquationTerm:
 class Equations:
     """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
 
-    def __init__(self, system: ExudynSystem, drive: ExudynDrive) -> None:
-        self._system, self._mbs, self._state, self._drive = system, system.mbs, system.state, drive
+    def __init__(self, system: ExudynSystem) -> None:
+        self._system, self._mbs, self._state = system, system.mbs, system.state
         self._solver: Any = exudyn.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(system.mbs, system.settings)
         self._n = 3 * len(system.bodies)  # coordinates, and as many constraints
@@ -47,7 +46,7 @@ class Equations:
     def residual(self, q: Array, position: float) -> Array:
         """Return C(q) with the drive at a position, shape (constraints,), m and rad."""
         self._state.SetODE2Coordinates(q)
-        self._drive.held = position
+        self._system.driven_by.held = position
         self._solver.ComputeAlgebraicEquations(self._mbs)
         return np.asarray(self._solver.GetSystemResidual()[self._n :])
 

@@ -59,9 +59,8 @@ class PoseSolver:
     """The poses of a scene's system with the drive held, in units of its own or in SI; it starts without loads."""
 
     def __init__(self, scene: Scene, *, si: bool = False) -> None:
-        drive = ExudynDrive(scene.drive.start)
-        self.system = system = ExudynSystem(scene, drive, si=si)
-        self.equations = Equations(system, drive)
+        self.system = ExudynSystem(scene, ExudynDrive(scene.drive.start), si=si)
+        self.equations = Equations(self.system)
         self.newton_iterations = self.curvatures = 0  # found so far
         self.budget = ProcessorBudget(SECONDS, "building the system")
 

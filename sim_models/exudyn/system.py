@@ -5,7 +5,7 @@ x axis (rad). A pin is a RevoluteJoint2D, a slide on a moving body a PrismaticJo
 drive are constraints on coordinates. All hold at position level. What acts on the coordinates is -C_q^T lambda.
 """
 
-from collections.abc import Set as AbstractSet
+from collections.abc import Collection
 from dataclasses import replace
 from importlib import import_module
 from typing import Any, TypeAlias
@@ -36,7 +36,7 @@ class ExudynSystem:
     in_plane = (0, 1, 2)  # which of them are x, y and the angle
     coordinates: Chosen = slice(None)  # x, y and angle of every body in turn, among all coordinates
     multipliers: Chosen = slice(None)  # two of every pin, two of every slide and the drive's, among all multipliers
-    reduced: AbstractSet[str] = frozenset()  # bodies with one coordinate, whose joint with the ground is no constraint
+    reduced: Collection[str] = frozenset()  # bodies with one coordinate, whose joint with the ground is no constraint
 
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
         """Build the system with a drive, in a unit of force of its own, or in SI."""

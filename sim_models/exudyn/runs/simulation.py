@@ -1,7 +1,6 @@
 """What both routes share, the system at its start and its channels; and the pointwise route."""
 
-from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -55,7 +54,7 @@ class ExudynSimulation:
             samples |= self._forces(others[1], wanted)
         self._motion = Motion({"time": self.times} | samples)
 
-    def _forces(self, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
+    def _forces(self, multipliers: Array, wanted: Collection[str]) -> dict[str, Array]:
         """The force channels; that friction jams is told later, after what makes it doubtful."""
         resisting: Mapping[str, Array] = {}
         if self.scene.friction:
