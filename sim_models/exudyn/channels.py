@@ -1,10 +1,8 @@
-"""The scene's channels from Exudyn's coordinates and Lagrange multipliers; only those requested.
+"""The scene's channels from Exudyn's coordinates and Lagrange multipliers.
 
 Samples of coordinates have shape (n, 3 bodies): x, y and angle of every body in turn, or their rates. Points of the
 plane are complex numbers, x + iy.
 """
-
-from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +22,7 @@ def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
     return np.asarray(com + system.bodies[body].points[point] * np.exp(1j * angle))
 
 
-def kinematics(
-    system: ExudynSystem, wanted: Collection[str], q: Array, v: Array, a: Array | None = None
-) -> dict[str, Array]:
+def kinematics(system: ExudynSystem, q: Array, v: Array, a: Array | None = None) -> dict[str, Array]:
     """The channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
     every = {scene.drive_channel: system.driven(q)}
@@ -43,18 +39,11 @@ def kinematics(
     for name in scene.turning:
         rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
         every |= {f"{name}.{rate}": system.pose_of(name, of)[1] for rate, of in rates.items()}
-    return _wanted(every, wanted)
+    return every
 
 
-def _wanted(every: Mapping[str, Array], wanted: Collection[str]) -> dict[str, Array]:
-    """The channels wanted, none of them a part of a larger array, which would stay in memory."""
-    return {name: np.ascontiguousarray(samples) for name, samples in every.items() if name in wanted}
-
-
-def forces(
-    system: ExudynSystem, multipliers: Array, wanted: Collection[str], friction: Mapping[str, Array] = {}
-) -> dict[str, Array]:
-    """The force channels, from multipliers in their order, shape (n, constraints), and those of friction."""
+def forces(system: ExudynSystem, multipliers: Array) -> dict[str, Array]:
+    """The force channels, from multipliers in their order, shape (n, constraints)."""
     every = dict(zip(force_channels(system.scene), -system.force_unit * multipliers.T, strict=True))
     for name, slide in system.scene.slides.items():
         force, moment = f"{name}.guide_force", f"{name}.guide_moment"
@@ -64,4 +53,4 @@ def forces(
             every[moment] = every[moment] - (system.lever(name).conjugate() * force_at_c).imag
         else:
             every[force] = -every[force]  # the joint's first marker is the slider's, and at its first point
-    return _wanted({**friction, **every}, wanted)
+    return every

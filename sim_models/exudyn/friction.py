@@ -12,7 +12,6 @@ coefficients leads to, from 0 to 1.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +71,7 @@ class JointFriction:
 
     def _senses(self, q: Array, v: Array, slip: Array) -> Array:
         points, still = self._scene.moving_points, np.zeros(len(q))
-        found = kinematics(self._poses.system, {f"{point}.v{axis}" for point in points for axis in "xy"}, q, v)
+        found = kinematics(self._poses.system, q, v)
         spin = np.abs(v[:, TURN::3]).max(axis=1)
         speed = np.max([still, *(np.hypot(found[f"{p}.vx"], found[f"{p}.vy"]) for p in points)], axis=0)
         pairs = zip(self._scene.friction, self._pins, slip.T, strict=True)
@@ -133,15 +132,14 @@ class JointFriction:
 
 def _carried(system: ExudynSystem) -> Array:
     """What joints with friction carry, N, by the multipliers, shape (joints, 2, constraints)."""
-    one, rows = np.eye(3 * len(system.bodies)), []
+    found, rows = forces(system, np.eye(3 * len(system.bodies))), []
     for friction in system.scene.friction:
         if isinstance(friction, PinFriction):
             pin = friction.pin(system.scene).channel
-            names: Any = {f"{pin}.fx": 1.0, f"{pin}.fy": 1.0}
+            rows.append([found[f"{pin}.fx"], found[f"{pin}.fy"]])
         else:
-            names = {f"{friction.slider}.guide_force": 1.0, f"{friction.slider}.guide_moment": 2 / friction.length}
-        found = forces(system, one, names.keys())
-        rows.append([found[name] * factor for name, factor in names.items()])
+            slider = friction.slider
+            rows.append([found[f"{slider}.guide_force"], found[f"{slider}.guide_moment"] * (2 / friction.length)])
     return np.array(rows)
 
 
