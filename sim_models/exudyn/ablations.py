@@ -40,33 +40,33 @@ class ReducedSystem(ExudynSystem):
         self.sliders = {name for name, slide in slides.items() if slide.on == GROUND and name not in carriers}
         self.reduced = self.pivots.keys() | self.sliders
         super().__init__(scene, drive, si=si)
-        self.unknowns = len(self.state.GetODE2Coordinates())  # and as many multipliers
+        # By own coordinate the parts of x, y and angle of every body in it, but for constants.
+        whole = zip(self.bodies, np.eye(3 * len(self.bodies)).reshape(len(self.bodies), 3, -1), strict=True)
+        self._parts = np.concatenate([self._own_parts(name) @ planar for name, planar in whole])
+        self.unknowns = len(self._parts)  # and as many multipliers
 
     def narrowed(self, q: Array) -> Array:
         """Return this system's coordinates from x, y and angle of every body, or their rates."""
-        narrow = np.empty(self.unknowns)
-        for name, planar in zip(self.bodies, q.reshape(-1, 3), strict=True):
-            own: Any = planar[2] if name in self.pivots else planar
-            if name in self.sliders:
-                own = (self.along(name).conjugate() * complex(*planar[:2])).real
-            narrow[self._own(name)] = own
-        return narrow
+        return np.asarray(self._parts @ q)
+
+    def _own_parts(self, name: str) -> Array:
+        if name in self.sliders:
+            return np.array([[self.along(name).real, self.along(name).imag, 0.0]])
+        return np.eye(3)[TURN:] if name in self.pivots else np.eye(3)
 
     def widened(self, samples: Array, poses: PoseSolver, times: Array) -> Array:
         """What a system of whole bodies would have recorded, shape (3 or 4, n, 3 bodies), from this one's."""
         wide = np.zeros((len(samples), len(times), 3 * len(self.bodies)))
-        for number, name in enumerate(self.bodies):
-            own, planar = samples[:3, :, self._own(name)], wide[:3, :, 3 * number : 3 * number + 3]
-            if name not in self.reduced:
-                planar[:] = own
-                continue
-            x, v, a = own[:, :, 0] * (self.along(name) if name in self.sliders else 1.0)
+        wide[:3] = samples[:3] @ self._parts
+        for name, x, y, turn in zip(self.bodies, *np.arange(3 * len(self.bodies)).reshape(-1, 3).T, strict=True):
             if name in self.pivots:
-                planar[:, :, 2] = own[:, :, 0]
-                arm = -self._pivot(name) * np.exp(1j * x)
-                x, v, a = arm, 1j * v * arm, (1j * a - v**2) * arm
-            com = np.stack([self._origin(name) + x, v, a])
-            planar[:, :, 0], planar[:, :, 1] = com.real, com.imag
+                angle, omega, alpha = wide[:3, :, turn]
+                arm = -self._pivot(name) * np.exp(1j * angle)
+                com = np.stack([arm, 1j * omega * arm, (1j * alpha - omega**2) * arm])
+                wide[:3, :, x], wide[:3, :, y] = com.real, com.imag
+            if name in self.reduced:
+                wide[0, :, x] += self._origin(name).real
+                wide[0, :, y] += self._origin(name).imag
         if len(samples) > 3:
             for rows in blocks(wide[0]):
                 wide[3, rows] = self._all_multipliers(poses, wide[:3, rows], samples[3, rows], times[rows])
@@ -80,11 +80,6 @@ class ReducedSystem(ExudynSystem):
         kept = [*(whole.pins[name] for name in self.pins), *(whole.slides[name] for name in self.slides), whole.drive]
         every[:, [column for joint in kept for column in whole.columns(joint)]] = multipliers
         return every
-
-    def _own(self, body: str) -> slice:
-        """The indices of a body's coordinates among all."""
-        first = self.state.GetObjectLTGODE2(self.objects[body])[0]
-        return slice(first, first + (1 if body in self.reduced else 3))
 
     def _pivot(self, body: str) -> complex:
         """A body's pivot, from its centre of mass along its own axes, m."""
