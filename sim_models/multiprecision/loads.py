@@ -8,7 +8,6 @@ from typing import TypeAlias
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.elements.loads import TabledLoad
 from scenes.scene import Force, ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
@@ -28,31 +27,24 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
     `start` is the pose at time zero. Q raises a Failure where the ends of a spring meet, so that it has no direction.
     """
     scene = linkage.scene
-    work = EquationRows(1, len(linkage.index))  # Σ F·p + Σ m g·r of all that is constant
-    others = [_spring(linkage, spring) for spring in scene.springs]
-    others += [_torsion_spring(linkage, spring, start) for spring in scene.torsion_springs]
-    for load in scene.loads:
-        if isinstance(load, Force) and load.frame == "ground":
-            linkage.add_point(work, 0, vector(load.force), load.body, load.at)
-        else:
-            size = _pressing(linkage, load, ends[load]) if isinstance(load, PressForce) else _size(linkage, load)
-            others.append(_sized(_unit_force(linkage, load), size))
+    weight = EquationRows(1, len(linkage.index))  # Σ m g·r, its work
+    loads = [(_unit_force(linkage, load), _size(linkage, load, ends)) for load in scene.loads]
+    springs = [_spring(linkage, spring) for spring in scene.springs]
+    springs += [_torsion_spring(linkage, spring, start) for spring in scene.torsion_springs]
     if scene.gravity is not None:
         for i in linkage.index.values():
             m = linkage.mass[3 * i]
-            work.add_point(0, (m * scene.gravity[0], m * scene.gravity[1]), i, (arb(0), arb(0)))
+            weight.add_point(0, (m * scene.gravity[0], m * scene.gravity[1]), i, (arb(0), arb(0)))
 
     def total(q: arb_mat, velocity: arb_mat, time: arb) -> arb_mat:
-        Q = work.jacobian(q).transpose()
-        for force in others:
-            Q = Q + force(q, velocity, time)
+        Q = weight.jacobian(q).transpose()
+        for unit, size in loads:
+            Q = Q + unit(q) * size(q, velocity, time)
+        for spring in springs:
+            Q = Q + spring(q, velocity, time)
         return Q
 
     return total
-
-
-def _sized(unit: UnitForce, size: Size) -> GeneralisedForce:
-    return lambda q, velocity, time: unit(q) * size(q, velocity, time)
 
 
 def _pressing(linkage: LinkageEquations, load: PressForce, end: float) -> Size:
@@ -93,7 +85,9 @@ def _turning(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitF
     return of
 
 
-def _size(linkage: LinkageEquations, load: Force | TabledLoad) -> Size:
+def _size(linkage: LinkageEquations, load: Load, ends: Mapping[PressForce, float]) -> Size:
+    if isinstance(load, PressForce):
+        return _pressing(linkage, load, ends[load])
     if (table := load.table) is None:
         size = arb(load.moment if isinstance(load, Moment) else load.force if isinstance(load, GuideForce) else 1)
         return lambda _q, _velocity, _time: size
