@@ -8,7 +8,7 @@ from typing import TypeAlias
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.scene import Force, ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
+from scenes.scene import ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
 from .rows import EquationRows, PlaneVector, vector
