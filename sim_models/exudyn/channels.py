@@ -49,8 +49,8 @@ def forces(system: ExudynSystem, multipliers: Array) -> dict[str, Array]:
         force, moment = f"{name}.guide_force", f"{name}.guide_moment"
         if slide.on == GROUND:
             # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f.
-            force_at_c = system.along(name) * (1j * every[force])
-            every[moment] = every[moment] - (system.lever(name).conjugate() * force_at_c).imag
+            lever = system.lever(name).conjugate() * (1j * system.along(name))
+            every[moment] = every[moment] - (lever * every[force]).imag
         else:
             every[force] = -every[force]  # the joint's first marker is the slider's, and at its first point
     return every
