@@ -121,6 +121,7 @@ def press_switches(poses: PoseSolver, start: Configuration) -> PressSwitches:
 
 
 def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequence[float]:
+    """The instants of a cycle, s, at which a press load starts and stops acting in turn."""
     system, drive = poses.system, poses.system.scene.drive
     times = np.linspace(0, drive.cycle, GRID + 1)
     states = poses.through(start, drive.at(times).position, curved=False)
