@@ -5,7 +5,7 @@ the constraints of a linkage the diagonal blocks are the bodies that move togeth
 group, each solved when those before it are: the work is linear in their number. No number of the matrix is looked at.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple, TypeAlias
@@ -18,6 +18,7 @@ from .motion import Samples
 Pattern: TypeAlias = Sequence[Sequence[int]]  # by row the columns where an entry may be other than zero
 HEAVY = 1e3  # weight of what does not give way: the drive, and the angles of guides
 OPEN = 1e-9  # of the linkage's size: a gap larger than roundings
+BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 class DiagonalBlock(NamedTuple):
@@ -131,3 +132,9 @@ def joint_rows(pins: Sequence[Pin], sliders: Iterable[str]) -> dict[str, list[in
     """By name the rows that are gaps of a joint, where constraints are in the order of the force channels."""
     guides = {f"the guide of {name}": [2 * row] for row, name in enumerate(sliders, start=len(pins))}
     return guides | {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(pins)}
+
+
+def blocks(q: Samples) -> Iterator[slice]:
+    """Yield the rows of n poses in turn, of which the Jacobians fit in memory, by coordinates of shape (n, ...)."""
+    rows = max(BLOCK // (q.size // len(q)) ** 2, 1)
+    yield from (slice(first, first + rows) for first in range(0, len(q), rows))

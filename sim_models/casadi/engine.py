@@ -15,7 +15,7 @@ from scenes.model.engine import Simulation
 
 from ..coordinates.settings import NEWTON, PoseSettings, ladder
 
-_runge_kutta = partial(ladder, "Runge-Kutta", 4)
+_runge_kutta = partial(ladder, PoseSettings, "Runge-Kutta", 4)
 KINDS = PLAIN_KINDS
 FAST = DEFAULT = EXACT = NEWTON
 WORK_PRECISION = (*_runge_kutta(72, 144, 360, 720), DEFAULT)

@@ -14,53 +14,47 @@ from functools import cached_property
 from typing import Any
 
 import casadi
-import numpy as np
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
-from scenes import Scene
 from scenes.elements.loads import PlainLoad
 from scenes.model.motion import force_channels, kinematic_channels
 from scenes.scene import GROUND, Force, ForceTable, Load, Spring
 
-from ..coordinates.bodies import framed_body, linkage_size
+from ..coordinates.system import System
 
 
 class SymbolicLinkage:
-    """The symbols of one scene; nothing is compiled before it is asked for."""
+    """The symbols of one scene, in the units of its system; nothing is compiled before it is asked for."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.index = {name: number for number, name in enumerate(scene.bodies)}
-        self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
-        self.size = linkage_size(scene, self.bodies)
-        self.x, self.v, self.a = (SX.sym(name, 3 * len(self.index)) for name in "xva")
-        self.units = np.tile([self.size, self.size, 1.0], len(self.index))
-        self._q = self.x * self.units
-        self.drive_unit = 1.0 if scene.driven_slide is None else self.size
-        pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
-        guides = [self.size, 1.0] * len(scene.slides)
-        self.row_units = np.array([self.size] * 2 * len(pins) + guides + [self.drive_unit])
-        self.constraints = vertcat(*pins, *map(self._slide, scene.slides), self.drive_position) / self.row_units
+    def __init__(self, system: System) -> None:
+        self.scene, self.bodies, self.size, self.row_units = system.scene, system.bodies, system.size, system.row_units
+        self._arms, self._guides = system.arms, system.guides
+        self.index = {name: number for number, name in enumerate(self.bodies)}
+        self.x, self.v, self.a = (SX.sym(name, len(system.units)) for name in "xva")
+        self._q = self.x * system.units
+        pins = (self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in self.scene.pins)
+        rows = vertcat(*pins, *map(self._slide, self.scene.slides), self.drive_position)
+        self.constraints = rows / self.row_units
 
     def angle(self, body: str) -> Any:
         """Return the angle of a body's x axis, rad."""
         return 0.0 if body == GROUND else self._q[3 * self.index[body] + 2]
 
-    def turned(self, body: str, vector: Any) -> Any:
+    def turned(self, body: str, vector: complex) -> Any:
         """Return a vector of a body's frame in that of the ground."""
         c, s = casadi.cos(self.angle(body)), casadi.sin(self.angle(body))
-        return vertcat(c * vector[0] - s * vector[1], s * vector[0] + c * vector[1])
+        return vertcat(c * vector.real - s * vector.imag, s * vector.real + c * vector.imag)
 
-    def place(self, body: str, local: Any) -> Any:
+    def place(self, body: str, local: complex) -> Any:
         """Return where a place in a body's frame is, m."""
         if body == GROUND:
-            return vertcat(*local)
+            return vertcat(local.real, local.imag)
         first = 3 * self.index[body]
         return self._q[first : first + 2] + self.turned(body, local)
 
     def point(self, body: str, name: str) -> Any:
         """Return where a body has a point, m."""
-        return self.place(body, self.scene.ground[name] if body == GROUND else self.bodies[body].points[name])
+        return self.place(body, self._arms[body, name])
 
     @property
     def drive_position(self) -> Any:
@@ -69,21 +63,19 @@ class SymbolicLinkage:
         return self.angle(body) if self.scene.driven_slide is None else self.slid(body)
 
     def _slide(self, body: str) -> Any:
-        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self.scene.slides[body].on))
+        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self._guides[body].carrier))
 
     def slid(self, body: str, *, across: bool = False) -> Any:
         """Return where a slider's first point is from `through`, along its guide or across it, m."""
-        slide = self.scene.slides[body]
-        x, y = slide.along
-        axis = self.turned(slide.on, (-y, x) if across else (x, y))
-        way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
-        return casadi.dot(axis, way)
+        carrier, through, along, first = self._guides[body]
+        axis = self.turned(carrier, 1j * along if across else along)
+        return casadi.dot(axis, self.place(body, first) - self.place(carrier, through))
 
     @cached_property
     def required(self) -> Any:
         """d/dt (dT/dv) - d(T - V)/dx - Q: what the multipliers hold, by coordinates."""
         x, v, a = self.x, self.v, self.a
-        kinetic, potential, work = 0.0, 0.0, SX.zeros(x.shape)
+        kinetic, potential, work = SX(0), SX(0), SX.zeros(x.shape)
         for name, body in self.bodies.items():
             com = self.place(name, body.com)
             omega = v[3 * self.index[name] + 2]

@@ -86,7 +86,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         linkage, count = self._system.linkage, len(self._start.x)
         _, jacobian, bend = linkage.functions
         x, rate, acceleration = MX.sym("x", count), MX.sym("rate"), MX.sym("acceleration")
-        J, unit = jacobian(x), np.eye(count)[:, -1] / linkage.drive_unit
+        J, unit = jacobian(x), np.eye(count)[:, -1] / self._system.drive_unit
         v = casadi.solve(J, unit * rate, SOLVER)
         a = multipliers = MX.zeros(count)
         if self._forces or any(quantity(channel) in ("ax", "ay", "alpha") for channel in self._wanted):

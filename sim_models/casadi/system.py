@@ -50,7 +50,7 @@ class CasadiSystem(System):
     def __init__(self, scene: Scene) -> None:
         """Differentiate the constraints."""
         super().__init__(scene)
-        self.linkage = SymbolicLinkage(scene)
+        self.linkage = SymbolicLinkage(self)
         self._gaps, self._jacobian, self._bend = map(Compiled, self.linkage.functions)
 
     @cached_property

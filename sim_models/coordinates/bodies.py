@@ -2,23 +2,21 @@
 
 from collections.abc import Mapping
 from itertools import combinations
-from math import dist
 from typing import Any, NamedTuple, TypeAlias
 
 from scenes import Failure, Scene, Status
 from scenes.scene import Body
 
-Coordinates: TypeAlias = tuple[Any, Any]  # x and y, m
 End: TypeAlias = tuple[str, str]  # a body and its point
 
 
 class FramedBody(NamedTuple):
-    """A body in its own frame."""
+    """A body in its own frame, in the plane of complex numbers."""
 
-    points: Mapping[str, Coordinates]
-    com: Coordinates
-    mass: Any  # kg
-    inertia: Any  # kg m^2, about the centre of mass
+    points: Mapping[str, complex]  # m
+    com: complex
+    mass: float  # kg
+    inertia: float  # kg m^2, about the centre of mass
 
 
 class MovingBody(NamedTuple):
@@ -56,36 +54,35 @@ class MovingBody(NamedTuple):
 
 def framed_body(scene: Scene, body: Body) -> FramedBody:
     """Return a body, of 1 kg in a kinematic scene; Failure where its lengths do not meet, or nothing shows the side."""
-    points = dict(body.local or {})
+    points = {name: complex(*at) for name, at in (body.local or {}).items()}
     if body.lengths is not None:
         first, second, *others = body.points
-        points = {first: (0.0, 0.0), second: (body.lengths[frozenset((first, second))], 0.0)}
+        points = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
         for apex in others:
             points[apex] = _apex(scene, body, apex, points)
     mass = 1.0 if body.mass is None else body.mass
     if body.com is not None and body.inertia is not None:
-        return FramedBody(points, body.com, mass, body.inertia)
+        return FramedBody(points, complex(*body.com), mass, body.inertia)
     # A bar's or a triangle's radius of gyration by the squared distances of its corners: 1/12 and 1/36 of their sum.
     corners = [points[name] for name in body.corners]
-    squares = sum((p - r) ** 2 + (q - s) ** 2 for (p, q), (r, s) in combinations(corners, 2))
-    com = tuple(sum(axis) / len(corners) for axis in zip(*corners, strict=True))
-    return FramedBody(points, com, mass, mass * squares / (12 if len(corners) == 2 else 36))
+    inertia = mass * sum(abs(p - q) ** 2 for p, q in combinations(corners, 2)) / (12 if len(corners) == 2 else 36)
+    return FramedBody(points, sum(corners, 0j) / len(corners), mass, inertia)
 
 
 def linkage_size(scene: Scene, bodies: Mapping[str, FramedBody]) -> float:
     """Return the largest distance of two points of one body or of the ground, or a driven slider's travel, m."""
-    frames = [[*scene.ground.values()], *([*body.points.values()] for body in bodies.values())]
+    frames = [[complex(*at) for at in scene.ground.values()], *([*body.points.values()] for body in bodies.values())]
     least, most = scene.drive.extent if scene.driven_slide is not None else (0.0, 0.0)
-    return max(most - least, *(dist(p, q) for points in frames for p, q in combinations(points, 2)), 0.0)
+    return max(most - least, *(abs(p - q) for points in frames for p, q in combinations(points, 2)), 0.0)
 
 
-def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]) -> Coordinates:
+def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, complex]) -> complex:
     """C of a triangle ABC by its sides: its height over AB is by Heron's formula, in factors."""
     assert body.lengths is not None
     base = body.bases[apex]
-    (x, y), (u, v) = (points[name] for name in base)
+    p, q = (points[name] for name in base)
     b, a = (body.lengths[frozenset((name, apex))] for name in base)
-    c = ((u - x) ** 2 + (v - y) ** 2) ** 0.5
+    c = abs(q - p)
     squared = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c)  # 16 times that of the area
     A, B, C = (scene.drawn[name] for name in (*base, apex))
     side = ((B - A).conjugate() * (C - A)).imag
@@ -94,4 +91,4 @@ def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]
         reason = f"the lengths of '{body.name}' from {base[0]} and {base[1]} to {apex} {why}"
         raise Failure(Status.cannot_assemble, reason)
     along, across = (b**2 + c**2 - a**2) / (2 * c**2), squared**0.5 / (2 * c**2) * (1 if side > 0 else -1)
-    return x + along * (u - x) - across * (v - y), y + along * (v - y) + across * (u - x)
+    return p + complex(along, across) * (q - p)

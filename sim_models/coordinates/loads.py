@@ -1,7 +1,7 @@
 """The forces of loads and springs on the bodies, a function a kind."""
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,24 +13,38 @@ from scenes.scene import Force, ForceTable, Load, Spring
 from .bodies import End
 
 
+class Wrench(NamedTuple):
+    """A force on a body, N, at a place, m, and a moment, N m, at one time or at many."""
+
+    body: str
+    at: Any
+    force: Any
+    moment: Any = 0.0
+
+    def about(self, place: Any) -> Any:
+        """Return the moment of both about a place, N m."""
+        return self.moment + ((self.at - place).conjugate() * self.force).imag
+
+
 def applied(
     scene: Scene,
     ends: Samples,
     slid: Callable[[str], tuple[Any, Any]],
-    way: Callable[[End, End], Any],
+    place: Callable[[End], Any],
     shortest: float = 0.0,
-) -> Iterator[tuple[End, Any]]:
-    """Yield where and with what force, N, as a complex number, loads and springs act, at one time or at many.
+) -> Iterator[Wrench]:
+    """Yield what loads and springs do, at one time or at many.
 
     By the ends of the press forces' strokes, m, a load; how far, m, and fast, m/s, a slider on the ground is along its
-    guide; the way from one point to another, m; and the length, m, from which a spring has a direction.
+    guide; the place of a point, m; and the length, m, from which a spring has a direction.
     """
     for load, end in zip(scene.loads, ends.tolist(), strict=True):
-        yield (load.body, load.at), _force(scene, load, end, slid)
+        yield Wrench(load.body, place((load.body, load.at)), _force(scene, load, end, slid))
     for spring in scene.springs:
-        pull = _pull(spring, way(spring.first, spring.second), shortest)
-        yield spring.first, pull
-        yield spring.second, -pull
+        first, second = place(spring.first), place(spring.second)
+        pull = _pull(spring, second - first, shortest)
+        yield Wrench(spring.first[0], first, pull)
+        yield Wrench(spring.second[0], second, -pull)
 
 
 def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any, Any]]) -> Any:

@@ -1,9 +1,12 @@
 """Settings of the engines whose steps are without iterations: Newton's method at every sample, or steps of the time."""
 
-from dataclasses import dataclass, replace
-from typing import Annotated
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar
 
 from scenes import Settings
+
+S = TypeVar("S", bound=Settings)
 
 
 @dataclass(frozen=True)
@@ -18,9 +21,6 @@ class PoseSettings(Settings):
 NEWTON = PoseSettings("Newton", promise=1e-6)
 
 
-def ladder(
-    method: str, order: float, *steps: int, drive_promise: float = NEWTON.drive_promise
-) -> tuple[PoseSettings, ...]:
-    """Return the settings of one method at several numbers of steps a cycle."""
-    alike = PoseSettings("", family=method, order=order, drive_promise=drive_promise)
-    return tuple(replace(alike, label=f"{method}, {n}", steps=n) for n in steps)
+def ladder(kind: Callable[..., S], method: str, order: float, *steps: int, **options: Any) -> tuple[S, ...]:
+    """Return the settings of one method, of a kind, at several numbers of steps a cycle."""
+    return tuple(kind(f"{method}, {n}", steps=n, family=method, order=order, **options) for n in steps)

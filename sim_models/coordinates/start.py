@@ -57,7 +57,7 @@ def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
     own, seen = dict[str, Samples](), dict[str, Samples]()
     for name, body in system.bodies.items():
         shown = [point for point in body.points if point in scene.drawn]
-        own[name] = np.array([complex(*body.points[point]) for point in shown], complex)
+        own[name] = np.array([body.points[point] for point in shown], complex)
         seen[name] = np.array([scene.drawn[point] for point in shown], complex)
     for name in system.bodies:
         group, angle = scene.aligned[name], 0.0

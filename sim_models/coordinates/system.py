@@ -16,7 +16,7 @@ from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND
 
 from .bodies import End, MovingBody, framed_body, linkage_size
-from .loads import applied
+from .loads import Wrench, applied
 
 CONTRACTION = 0.25  # largest ratio of a correction to the one before
 FITTING = 0.1  # of a step: the largest first correction
@@ -64,9 +64,8 @@ class System:
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, self.bodies)
         self.drive_unit = 1.0 if scene.driven_slide is None else self.size  # of the drive's position
-        known = {GROUND: scene.ground} | {name: body.points for name, body in self.bodies.items()}
-        ends = ((body, point, at) for body, points in known.items() for point, at in points.items())
-        self.arms = {(body, point): complex(*at) for body, point, at in ends}  # in frames that move with the bodies, m
+        self.arms = {(GROUND, point): complex(*at) for point, at in scene.ground.items()}  # in the bodies' frames, m
+        self.arms |= {(name, point): at for name, body in self.bodies.items() for point, at in body.points.items()}
         self.guides = dict[str, GuideLine]()
         for name, slide in scene.slides.items():
             through, along = complex(*slide.through), complex(*slide.along)
@@ -194,10 +193,8 @@ class System:
             values += bodies[name].turning
         return dict(zip(kinematic_channels(self.scene)[1:], values, strict=True))
 
-    def applied(
-        self, bodies: Mapping[str, MovingBody], ends: Samples, shortest: float = 0.0
-    ) -> Iterator[tuple[str, Any, Any]]:
-        """Yield body, place, m, and force, N, of loads and springs, see `loads`."""
+    def applied(self, bodies: Mapping[str, MovingBody], ends: Samples, shortest: float = 0.0) -> Iterator[Wrench]:
+        """Yield what loads and springs do, see `loads`."""
 
         def place(end: End) -> Any:
             return bodies[end[0]].place(self.arms[end])
@@ -206,6 +203,4 @@ class System:
             displacement, velocity, _ = self.slid(bodies, slider)
             return displacement.real, velocity.real
 
-        loads = applied(self.scene, ends, slid, lambda first, second: place(second) - place(first), shortest)
-        for end, force in loads:
-            yield end[0], place(end), force
+        return applied(self.scene, ends, slid, place, shortest)

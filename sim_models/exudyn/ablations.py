@@ -16,10 +16,10 @@ from weakref import finalize
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.model.constraints import blocks
 from scenes.scene import GROUND, Slide
 
 from .drive import ExudynDrive
-from .equations import blocks
 from .poses import PoseSolver
 from .settings import ExudynExtra, TextbookTimeStepping, TimeStepping
 from .system import TURN, Array, ExudynSystem, exudyn, items
@@ -40,66 +40,46 @@ class ReducedSystem(ExudynSystem):
         self.sliders = {name for name, slide in slides.items() if slide.on == GROUND and name not in carriers}
         self.reduced = self.pivots.keys() | self.sliders
         super().__init__(scene, drive, si=si)
-        self.unknowns = len(self.state.GetODE2Coordinates())  # and as many multipliers
-
-    def displacement_factors(self, body: str) -> Any:
-        """The factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
-        return 1.0 if body in self.sliders else super().displacement_factors(body)
+        # By own coordinate the parts of x, y and angle of every body in it, but for constants.
+        whole = zip(self.bodies, np.eye(3 * len(self.bodies)).reshape(len(self.bodies), 3, -1), strict=True)
+        self._parts = np.concatenate([self._own_parts(name) @ planar for name, planar in whole])
+        self.unknowns = len(self._parts)  # and as many multipliers
 
     def narrowed(self, q: Array) -> Array:
         """Return this system's coordinates from x, y and angle of every body, or their rates."""
-        narrow = np.empty(self.unknowns)
-        for name, planar in zip(self.bodies, q.reshape(-1, 3), strict=True):
-            own: Any = planar[2] if name in self.pivots else planar
-            if name in self.sliders:
-                own = (self.along(name).conjugate() * complex(*planar[:2])).real
-            narrow[self._own(name)] = own
-        return narrow
+        return np.asarray(self._parts @ q)
+
+    def _own_parts(self, name: str) -> Array:
+        if name in self.sliders:
+            return np.array([[self.along(name).real, self.along(name).imag, 0.0]])
+        return np.eye(3)[TURN:] if name in self.pivots else np.eye(3)
 
     def widened(self, samples: Array, poses: PoseSolver, times: Array) -> Array:
         """What a system of whole bodies would have recorded, shape (3 or 4, n, 3 bodies), from this one's."""
         wide = np.zeros((len(samples), len(times), 3 * len(self.bodies)))
-        for number, name in enumerate(self.bodies):
-            own, planar = samples[:3, :, self._own(name)], wide[:3, :, 3 * number : 3 * number + 3]
-            if name not in self.reduced:
-                planar[:] = own
-                continue
-            x, v, a = own[:, :, 0] * (self.along(name) if name in self.sliders else 1.0)
+        wide[:3] = samples[:3] @ self._parts
+        for name, x, y, turn in zip(self.bodies, *np.arange(3 * len(self.bodies)).reshape(-1, 3).T, strict=True):
             if name in self.pivots:
-                planar[:, :, 2] = own[:, :, 0]
-                arm = -self._pivot(name) * np.exp(1j * x)
-                x, v, a = arm, 1j * v * arm, (1j * a - v**2) * arm
-            com = np.stack([self._origin(name) + x, v, a])
-            planar[:, :, 0], planar[:, :, 1] = com.real, com.imag
+                angle, omega, alpha = wide[:3, :, turn]
+                arm = -self._pivot(name) * np.exp(1j * angle)
+                com = np.stack([arm, 1j * omega * arm, (1j * alpha - omega**2) * arm])
+                wide[:3, :, x], wide[:3, :, y] = com.real, com.imag
+            if name in self.reduced:
+                wide[0, :, x] += self._origin(name).real
+                wide[0, :, y] += self._origin(name).imag
         if len(samples) > 3:
             for rows in blocks(wide[0]):
                 wide[3, rows] = self._all_multipliers(poses, wide[:3, rows], samples[3, rows], times[rows])
         return wide
 
     def _all_multipliers(self, poses: PoseSolver, motion: Array, multipliers: Array, times: Array) -> Array:
-        """Those of all joints, shape (n, constraints), from those that this system has, and what it recorded."""
+        """Those of all joints, shape (n, constraints): this system's own, and the others that the motion needs."""
         (q, v, a), whole, equations = motion, poses.system, poses.equations
-        every = np.zeros(q.shape)
-        for mine, theirs in ((self.pins, whole.pins), (self.slides, whole.slides)):
-            for name, joint in mine.items():
-                every[:, whole.columns(theirs[name])] = multipliers[:, self.columns(joint)]
-        effort = self.drive_factor * multipliers[:, self.columns(self.drive)]
-        every[:, whole.columns(whole.drive)] = effort / whole.drive_factor
-        jacobian = equations.jacobian(q)
-        rest = equations.forces(q, v, times) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, every)
-        for number, name in enumerate(self.bodies):
-            if name in self.reduced:
-                turns = name in self.pivots
-                columns = whole.columns(whole.pins[self.pivots[name].channel] if turns else whole.slides[name])
-                # A pin's rows of x and y are a unit matrix; a guide's are its normal, and the angle alone.
-                rows = slice(3 * number, 3 * number + (2 if turns else 3))
-                every[:, columns] = np.einsum("nck,nk->nc", jacobian[:, columns, rows], rest[:, rows])
+        needed = equations.forces(q, v, times) - equations.masses * a
+        every: Array = np.linalg.solve(equations.jacobian(q).swapaxes(1, 2), needed[..., np.newaxis])[..., 0]
+        kept = [*(whole.pins[name] for name in self.pins), *(whole.slides[name] for name in self.slides), whole.drive]
+        every[:, [column for joint in kept for column in whole.columns(joint)]] = multipliers
         return every
-
-    def _own(self, body: str) -> slice:
-        """The indices of a body's coordinates among all."""
-        first = self.state.GetObjectLTGODE2(self.objects[body])[0]
-        return slice(first, first + (1 if body in self.reduced else 3))
 
     def _pivot(self, body: str) -> complex:
         """A body's pivot, from its centre of mass along its own axes, m."""
@@ -139,12 +119,6 @@ class ReducedSystem(ExudynSystem):
             return super().coordinate(GROUND, 0)
         return super().coordinate(body, 0 if body in self.reduced else number)
 
-    def _drive_markers(self) -> tuple[float, Any, Any, float]:
-        driven = self.scene.drive.body
-        if driven in self.sliders:
-            return 1.0, self.coordinate(GROUND, 0), self.coordinate(driven, 0), 1.0
-        return super()._drive_markers()
-
 
 class SpatialSystem(ExudynSystem):
     """Rigid bodies with six coordinates, each held in the plane by itself, so that no joint of a loop is redundant."""
@@ -179,7 +153,7 @@ class SpatialSystem(ExudynSystem):
     def _add_slot(self, name: str, slide: Slide) -> Any:
         raise Failure(Status.unsupported, f"{name} slides on {slide.on}, for which there is no joint in space here")
 
-    def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
+    def _add_drive(self, drive: ExudynDrive) -> Any:
         for name in self.bodies:
             self._hold(name, np.eye(6)[2:5], [0.0, 0.0, 0.0])
         return super()._add_drive(drive)

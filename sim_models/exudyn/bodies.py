@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.scene import Body, Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
+from scenes.scene import Body, Load, Moment, TableForce
 
 LIGHTER = 2.0**30  # times are the bodies of a kinematic scene than their unit of force suggests
 
@@ -65,14 +65,8 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
 
 def _largest(load: Load, size: float) -> float:
     """The largest force of a load, N, a moment's on an arm as long as the linkage."""
-    values: Any
-    match load:
-        case Moment(moment=constant, table=table) | GuideForce(force=constant, table=table):
-            values = table.values if table else constant
-        case Force() | PressForce():
-            values = load.force
-        case TableForce() | ForceTable():
-            values = load.table.values
+    constant = load.moment if isinstance(load, Moment) else None if isinstance(load, TableForce) else load.force
+    values: Any = load.table.values if load.table else constant
     return float(np.abs(values).max()) / (size if isinstance(load, Moment) else 1.0)
 
 

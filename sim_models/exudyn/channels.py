@@ -1,15 +1,13 @@
-"""The scene's channels from Exudyn's coordinates and Lagrange multipliers; only those requested.
+"""The scene's channels from Exudyn's coordinates and Lagrange multipliers.
 
 Samples of coordinates have shape (n, 3 bodies): x, y and angle of every body in turn, or their rates. Points of the
 plane are complex numbers, x + iy.
 """
 
-from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
-
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.model.motion import force_channels
 from scenes.scene import GROUND
 
 from .system import Array, ExudynSystem
@@ -24,15 +22,11 @@ def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
     return np.asarray(com + system.bodies[body].points[point] * np.exp(1j * angle))
 
 
-def kinematics(
-    system: ExudynSystem, wanted: AbstractSet[str], q: Array, v: Array, a: Array | None = None
-) -> dict[str, Array]:
+def kinematics(system: ExudynSystem, q: Array, v: Array, a: Array | None = None) -> dict[str, Array]:
     """The channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
     every = {scene.drive_channel: system.driven(q)}
     for point in scene.moving_points:
-        if wanted.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
-            continue
         body = scene.owners[point][0]
         (c, phi), (dc, omega) = system.pose_of(body, q), system.pose_of(body, v)
         arm = system.bodies[body].points[point] * np.exp(1j * phi)
@@ -45,32 +39,18 @@ def kinematics(
     for name in scene.turning:
         rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
         every |= {f"{name}.{rate}": system.pose_of(name, of)[1] for rate, of in rates.items()}
-    return _wanted(every, wanted)
+    return every
 
 
-def _wanted(every: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, Array]:
-    """The channels wanted, none of them a part of a larger array, which would stay in memory."""
-    return {name: np.ascontiguousarray(samples) for name, samples in every.items() if name in wanted}
-
-
-def forces(
-    system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str], friction: Mapping[str, Array] = {}
-) -> dict[str, Array]:
-    """The force channels, from multipliers of shape (n, constraints), and those of friction."""
-    multipliers, scene = multipliers * system.force_unit, system.scene
-    every = dict(friction)
-    for pin, joint in system.pins.items():
-        fx, fy = -multipliers[:, system.columns(joint)].T
-        every |= {f"{pin}.fx": fx, f"{pin}.fy": fy}
-    effort = -system.drive_factor * multipliers[:, system.columns(system.drive)[0]]
-    for name, constraint in system.slides.items():
-        force, moment = -multipliers[:, system.columns(constraint)].T
-        if scene.slides[name].on == GROUND:
-            # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f. The drive
-            # moves a slider by its first point, but in coordinates its force acts at C too.
-            total = 1j * force + (effort if name == scene.drive.body else 0)
-            moment = moment - (system.lever(name).conjugate() * system.along(name) * total).imag
+def forces(system: ExudynSystem, multipliers: Array) -> dict[str, Array]:
+    """The force channels, from multipliers in their order, shape (n, constraints)."""
+    every = dict(zip(force_channels(system.scene), -system.force_unit * multipliers.T, strict=True))
+    for name, slide in system.scene.slides.items():
+        force, moment = f"{name}.guide_force", f"{name}.guide_moment"
+        if slide.on == GROUND:
+            # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f.
+            lever = system.lever(name).conjugate() * (1j * system.along(name))
+            every[moment] = every[moment] - (lever * every[force]).imag
         else:
-            force = -force  # the joint's first marker is the slider's, and at its first point
-        every |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
-    return _wanted(every | {scene.effort_channel: effort}, wanted)
+            every[force] = -every[force]  # the joint's first marker is the slider's, and at its first point
+    return every

@@ -3,44 +3,36 @@
 Its solver computes every term of a step's residual and Jacobian.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.model.constraints import misfit
+from scenes.model.constraints import joint_rows, misfit
 
-from .drive import ExudynDrive
 from .system import Array, ExudynSystem, exudyn
 
 EquationTerm: TypeAlias = Callable[..., Array]
-BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 def _of_many(term: EquationTerm) -> EquationTerm:
     """Let a term of one pose take many too: all of its arguments, and then its result, with a leading axis."""
 
     @wraps(term)
-    def terms(self: "Equations", q: Array, *more: Any, **one: Any) -> Array:
+    def terms(self: "Equations", q: Array, *more: Any) -> Array:
         if q.ndim == 1:
-            return term(self, q, *more, **one)
+            return term(self, q, *more)
         return np.array([term(self, *each) for each in zip(q, *more, strict=True)])
 
     return terms
 
 
-def blocks(q: Array) -> Iterator[slice]:
-    """Yield the rows of all samples of the coordinates in turn, of which the Jacobians fit in memory."""
-    rows = max(BLOCK // q.shape[1] ** 2, 1)
-    yield from (slice(first, first + rows) for first in range(0, len(q), rows))
-
-
 class Equations:
     """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
 
-    def __init__(self, system: ExudynSystem, drive: ExudynDrive) -> None:
-        self._system, self._mbs, self._state, self._drive = system, system.mbs, system.state, drive
+    def __init__(self, system: ExudynSystem) -> None:
+        self._system, self._mbs, self._state = system, system.mbs, system.state
         self._solver: Any = exudyn.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(system.mbs, system.settings)
         self._n = 3 * len(system.bodies)  # coordinates, and as many constraints
@@ -54,7 +46,7 @@ class Equations:
     def residual(self, q: Array, position: float) -> Array:
         """Return C(q) with the drive at a position, shape (constraints,), m and rad."""
         self._state.SetODE2Coordinates(q)
-        self._drive.held = position
+        self._system.driven_by.held = position
         self._solver.ComputeAlgebraicEquations(self._mbs)
         return np.asarray(self._solver.GetSystemResidual()[self._n :])
 
@@ -85,8 +77,6 @@ class Equations:
 
     def misfit(self, q: Array, positions: Iterable[float]) -> str:
         """Name the joint that stays open when all others close, near q at the first position where one does."""
-        system = self._system
-        joints = {f"the guide of {name}": system.columns(slide)[:1] for name, slide in system.slides.items()}
-        joints |= {name: system.columns(pin) for name, pin in system.pins.items()}
-        given = self.jacobian, q, np.tile([system.size, system.size, 1.0], len(system.bodies)), joints, system.size
-        return misfit(system.scene, positions, lambda position, at: self.residual(at, position), *given)
+        scene, system = self._system.scene, self._system
+        given = self.jacobian, q, system.units, joint_rows(scene.pins, scene.slides), system.size
+        return misfit(scene, positions, lambda position, at: self.residual(at, position), *given)

@@ -12,18 +12,17 @@ coefficients leads to, from 0 to 1.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Status
 from scenes.elements.friction import PinFriction
+from scenes.model.constraints import blocks
 from scenes.model.motion import friction_channels
 from scenes.scene import GROUND
 
 from .channels import forces, kinematics
-from .equations import blocks
 from .poses import PoseSolver
 from .system import TURN, Array, ExudynSystem
 
@@ -71,12 +70,10 @@ class JointFriction:
         return multipliers + np.einsum("nj,njc->nc", coulomb, change), viscous + coulomb, slip
 
     def _senses(self, q: Array, v: Array, slip: Array) -> Array:
-        points, turning = self._scene.moving_points, self._scene.turning
-        names = [*(f"{point}.v{axis}" for point in points for axis in "xy"), *(f"{body}.omega" for body in turning)]
-        found = kinematics(self._poses.system, set(names), q, v)
-        still = [np.zeros(len(q))]
-        spin = np.max([*still, *(np.abs(found[f"{body}.omega"]) for body in turning)], axis=0)
-        speed = np.max([*still, *(np.hypot(found[f"{p}.vx"], found[f"{p}.vy"]) for p in points)], axis=0)
+        points, still = self._scene.moving_points, np.zeros(len(q))
+        found = kinematics(self._poses.system, q, v)
+        spin = np.abs(v[:, TURN::3]).max(axis=1)
+        speed = np.max([still, *(np.hypot(found[f"{p}.vx"], found[f"{p}.vy"]) for p in points)], axis=0)
         pairs = zip(self._scene.friction, self._pins, slip.T, strict=True)
         return np.transpose([one.sense(rate, spin if pin else speed) for one, pin, rate in pairs])
 
@@ -135,15 +132,14 @@ class JointFriction:
 
 def _carried(system: ExudynSystem) -> Array:
     """What joints with friction carry, N, by the multipliers, shape (joints, 2, constraints)."""
-    one, rows = np.eye(3 * len(system.bodies)), []
+    found, rows = forces(system, np.eye(3 * len(system.bodies))), []
     for friction in system.scene.friction:
         if isinstance(friction, PinFriction):
             pin = friction.pin(system.scene).channel
-            names: Any = {f"{pin}.fx": 1.0, f"{pin}.fy": 1.0}
+            rows.append([found[f"{pin}.fx"], found[f"{pin}.fy"]])
         else:
-            names = {f"{friction.slider}.guide_force": 1.0, f"{friction.slider}.guide_moment": 2 / friction.length}
-        found = forces(system, one, names.keys())
-        rows.append([found[name] * factor for name, factor in names.items()])
+            slider = friction.slider
+            rows.append([found[f"{slider}.guide_force"], found[f"{slider}.guide_moment"] * (2 / friction.length)])
     return np.array(rows)
 
 

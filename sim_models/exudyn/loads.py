@@ -104,10 +104,6 @@ def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressS
     table = load.table
     if table is None:
         return None
-    if isinstance(load, ForceTable):
-        zero, factors = system.displaced(load.body, 0j), system.displacement_factors(load.body)
-        node = system.nodes[load.body]
-        return lambda mbs, _: float(table.at(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
     if table.over == "time":
         return lambda _, clock: float(table.at(drive.zero + clock))
     if table.over == "displacement" or scene.driven_slide is not None:
@@ -120,23 +116,20 @@ def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressS
 
 def press_switches(poses: PoseSolver, start: Configuration) -> PressSwitches:
     """The instants of a cycle at which each press load starts and stops acting; Failure where no stroke is followed."""
-    presses = [load for load in poses.system.scene.loads if isinstance(load, PressForce)]
-    switches: dict[PressForce, Sequence[float]] = {}
-    for body in dict.fromkeys(load.body for load in presses):
-        switches |= _switches(poses, start, body, [load for load in presses if load.body == body])
-    return switches
+    loads = poses.system.scene.loads
+    return {load: _switches(poses, start, load) for load in loads if isinstance(load, PressForce)}
 
 
-def _switches(poses: PoseSolver, start: Configuration, body: str, loads: Sequence[PressForce]) -> PressSwitches:
-    """Find the switches of the press loads on a slider, whose dead points they share."""
+def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequence[float]:
+    """The instants of a cycle, s, at which a press load starts and stops acting in turn."""
     system, drive = poses.system, poses.system.scene.drive
     times = np.linspace(0, drive.cycle, GRID + 1)
     states = poses.through(start, drive.at(times).position, curved=False)
 
     def slider(state: Configuration, rate: Any) -> tuple[Any, Any]:
         """Return displacement, m, and velocity, m/s."""
-        (com, _), (tangent, _) = (system.pose_of(body, q) for q in (state.q, state.tangent))
-        return system.displaced(body, com), (system.along(body).conjugate() * tangent).real * rate
+        tangent, _ = system.pose_of(load.body, state.tangent)
+        return system.displacement(load.body, state.q), (system.along(load.body).conjugate() * tangent).real * rate
 
     def at(time: float) -> tuple[float, float]:
         position, rate, _ = map(float, drive.at(time))
@@ -147,18 +140,14 @@ def _switches(poses: PoseSolver, start: Configuration, body: str, loads: Sequenc
     dead = list(_zeros(lambda time: at(time)[1], times, v))
     x, times = np.append(x, [at(time)[0] for time in dead]), np.append(times, dead)
     order = times.argsort()
-
-    def instants(load: PressForce) -> list[float]:
-        end = load.closing * (x * load.closing).max()
-        meets = end - load.closing * load.last
-        met = list(_zeros(lambda time: at(time)[0] - meets, times[order], x[order] - meets))
-        parts = list(pairwise([0.0, *sorted(dead + met), drive.cycle]))
-        acts = [bool(load.acts(*at((begin + end_of) / 2), end)) for begin, end_of in parts]
-        changes = zip(parts[1:], pairwise(acts), strict=True)
-        switches = [begin for (begin, _), (was, becomes) in changes if was != becomes]
-        return [0.0, *switches] if acts[0] else switches
-
-    return {load: instants(load) for load in loads}
+    end = load.closing * (x * load.closing).max()
+    meets = end - load.closing * load.last
+    met = list(_zeros(lambda time: at(time)[0] - meets, times[order], x[order] - meets))
+    parts = list(pairwise([0.0, *sorted(dead + met), drive.cycle]))
+    acts = [bool(load.acts(*at((begin + end_of) / 2), end)) for begin, end_of in parts]
+    changes = zip(parts[1:], pairwise(acts), strict=True)
+    switches = [begin for (begin, _), (was, becomes) in changes if was != becomes]
+    return [0.0, *switches] if acts[0] else switches
 
 
 def _zeros(function: Callable[[float], float], times: Array, values: Array) -> Iterator[float]:

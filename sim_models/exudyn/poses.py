@@ -59,13 +59,10 @@ class PoseSolver:
     """The poses of a scene's system with the drive held, in units of its own or in SI; it starts without loads."""
 
     def __init__(self, scene: Scene, *, si: bool = False) -> None:
-        drive = ExudynDrive(scene.drive.start)
-        self.system = system = ExudynSystem(scene, drive, si=si)
-        self.equations = Equations(system, drive)
+        self.system = ExudynSystem(scene, ExudynDrive(scene.drive.start), si=si)
+        self.equations = Equations(self.system)
         self.newton_iterations = self.curvatures = 0  # found so far
         self.budget = ProcessorBudget(SECONDS, "building the system")
-        # Corrections are measured with lengths over the linkage's size and angles in rad.
-        self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
 
     def through(self, state: Configuration, positions: Array, *, curved: bool = True) -> Configuration:
         """The states at many positions, passed one after the other from the state given; Failure as of `follow`.
@@ -168,7 +165,7 @@ class PoseSolver:
 
     def length(self, step: Array) -> Array:
         """The largest change of a coordinate, over the linkage's size, or in rad."""
-        return np.asarray(np.abs(step / self.scale).max(axis=-1))
+        return np.asarray(np.abs(step / self.system.units).max(axis=-1))
 
     def _curvature(self, q: Array, tangent: Array, inverse: Array) -> Array:
         """Return q'', with the change of C_q q' along q' by a symmetric difference."""

@@ -5,7 +5,7 @@ x axis (rad). A pin is a RevoluteJoint2D, a slide on a moving body a PrismaticJo
 drive are constraints on coordinates. All hold at position level. What acts on the coordinates is -C_q^T lambda.
 """
 
-from collections.abc import Set as AbstractSet
+from collections.abc import Collection
 from dataclasses import replace
 from importlib import import_module
 from typing import Any, TypeAlias
@@ -36,13 +36,14 @@ class ExudynSystem:
     in_plane = (0, 1, 2)  # which of them are x, y and the angle
     coordinates: Chosen = slice(None)  # x, y and angle of every body in turn, among all coordinates
     multipliers: Chosen = slice(None)  # two of every pin, two of every slide and the drive's, among all multipliers
-    reduced: AbstractSet[str] = frozenset()  # bodies with one coordinate, whose joint with the ground is no constraint
+    reduced: Collection[str] = frozenset()  # bodies with one coordinate, whose joint with the ground is no constraint
 
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
         """Build the system with a drive, in a unit of force of its own, or in SI."""
         self.scene, self.driven_by = scene, drive
         bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, bodies)  # m
+        self.units = np.tile([self.size, self.size, 1.0], len(bodies))  # of x, y and angle of every body
         unit = self.force_unit = 1.0 if si else force_unit(scene, bodies, self.size)  # N, and with it of masses
         self.bodies = {n: replace(b, mass=b.mass / unit, inertia=b.inertia / unit) for n, b in bodies.items()}
         self._container = exudyn.SystemContainer()  # it owns the system
@@ -62,7 +63,7 @@ class ExudynSystem:
             for name, slide in scene.slides.items()
             if not (slide.on == GROUND and name in self.reduced)
         }
-        self.drive, self.drive_factor = self._add_drive(drive)
+        self.drive = self._add_drive(drive)
         self.mbs.Assemble()
         self.settings: Any = exudyn.SimulationSettings()
         self.settings.solution.file.write = False  # else a folder of results appears in the working folder
@@ -92,17 +93,9 @@ class ExudynSystem:
         """The first point of a body, from its centre of mass along its own axes, m."""
         return self.bodies[body].points[self.scene.bodies[body].points[0]]
 
-    def displaced(self, body: str, com: Any) -> Any:
-        """The displacement on the ground of a slider, m, with its centre of mass at `com`."""
-        first = com + self.lever(body) - complex(*self.scene.slides[body].through)
-        return (self.along(body).conjugate() * first).real
-
     def displacement(self, body: str, q: Array) -> Any:
         """The displacement of a slider, m, from coordinates, shape (..., 3 bodies)."""
-        (com, angle), on = self.pose_of(body, q), self.scene.slides[body].on
-        if on == GROUND:
-            return self.displaced(body, com)
-        carrier, turn = self.pose_of(on, q)
+        (com, angle), (carrier, turn) = self.pose_of(body, q), self.pose_of(self.scene.slides[body].on, q)
         first = (com + self.lever(body) * np.exp(1j * angle) - carrier) * np.exp(-1j * turn) - self.through(body)
         return (self.along(body).conjugate() * first).real
 
@@ -112,12 +105,6 @@ class ExudynSystem:
         if self.scene.driven_slide is not None:
             return self.displacement(name, q)
         return self.pose_of(name, q)[1] - self.pose_of(self.scene.drive_on, q)[1]
-
-    def displacement_factors(self, body: str) -> Any:
-        """The factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
-        factors = np.zeros(self.node_size)
-        factors[list(self.in_plane)] = self.along(body).real, self.along(body).imag, 0
-        return factors
 
     def placed(self, body: str, place: complex) -> tuple[Any, list[float]]:
         """A body's object, and a place of it, or the ground's."""
@@ -195,34 +182,17 @@ class ExudynSystem:
         axes = {"axisMarker0": [along.real, along.imag, 0], "normalMarker1": [-along.imag, along.real, 0]}
         return self.mbs.AddObject(items.PrismaticJoint2D(markerNumbers=[first, second], **axes))
 
-    def _drive_markers(self) -> tuple[float, Any, Any, float]:
-        """A factor, and the two coordinates whose difference, the second times a ratio, is that of the position.
-
-        The position is the angle of a crank, or a displacement along a moving guide. That of a slider on the ground is
-        along . (x, y), but for a constant; the constraint has one coordinate without a factor, so its factor makes that
-        of the larger part -1.
-        """
-        name = self.scene.drive.body
+    def _add_drive(self, drive: ExudynDrive) -> Any:
+        """Hold the position, the angle of a crank or the displacement of a slider, less the drive's at zero."""
+        name, on = self.scene.drive.body, self.scene.drive_on
         if self.scene.driven_slide is None:
-            return 1.0, self.coordinate(self.scene.drive_on, TURN), self.coordinate(name, TURN), 1.0
-        if self.scene.drive_on != GROUND:
-            return 1.0, self.coordinate(GROUND, 0), self.gauge(name), 1.0
-        parts = (self.along(name).real, self.along(name).imag)
-        large = int(abs(parts[1]) > abs(parts[0]))
-        factor = -1 / parts[large]
-        return factor, self.coordinate(name, large), self.coordinate(name, 1 - large), factor * parts[1 - large]
-
-    def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
-        """Hold factor * (position - the drive's) at zero; return constraint and factor."""
-        name = self.scene.drive.body
-        factor, first, second, ratio = self._drive_markers()
-        grounded = self.scene.driven_slide is not None and self.scene.drive_on == GROUND
-        zero = self.displaced(name, 0j) if grounded else 0.0
+            first, second = self.coordinate(on, TURN), self.coordinate(name, TURN)
+        else:
+            first, second = self.coordinate(GROUND, 0), self.gauge(name)
         # The functions hold no reference to self: through it, they and the system would keep each other alive.
         held = items.CoordinateConstraint(
             markerNumbers=[first, second],
-            factor1=ratio,
-            offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (drive.position(clock) - zero),
-            offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * drive.rate(clock),
+            offsetUserFunction=lambda _mbs, clock, _item, _offset: drive.position(clock),
+            offsetUserFunction_t=lambda _mbs, clock, _item, _offset: drive.rate(clock),
         )
-        return self.mbs.AddObject(held), factor
+        return self.mbs.AddObject(held)

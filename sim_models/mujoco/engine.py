@@ -8,21 +8,18 @@ a leapfrog of order 2, whose rates belong to the middle of a step, and whose for
 """
 
 from dataclasses import replace
+from functools import partial
 from importlib import metadata
 
 from scenes import Request, Scene
 from scenes.elements import PLAIN_KINDS
 from scenes.model.engine import Simulation
 
+from ..coordinates.settings import ladder
 from .settings import MujocoSettings
 
-
-def _hard(*steps: int) -> tuple[MujocoSettings, ...]:
-    # A driven crank is as soft as any joint: it is off by as much as gaps open in a step.
-    family = "closed in a step"
-    return tuple(MujocoSettings(f"{family}, {n}", steps=n, family=family, order=2, drive_promise=1e-3) for n in steps)
-
-
+# A driven crank is as soft as any joint: it is off by as much as gaps open in a step.
+_hard = partial(ladder, MujocoSettings, "closed in a step", 2, drive_promise=1e-3)
 NOTE = "MuJoCo's defaults for constraints, 0.02 s and a tenth soft: joints open by as much as that lets them"
 KINDS = PLAIN_KINDS
 FAST = DEFAULT = replace(_hard(1440)[0], promise=1e-2)

@@ -37,8 +37,7 @@ def model(linkage: System, h: float, *, hard: bool = True) -> Any:
     scene, units = linkage.scene, MujocoUnits(linkage)
     holds = f'solref="{-(h**-2)!r} {-1 / h!r}" solimp="{IMPEDANCE} {IMPEDANCE} 1"'
     holds = holds if hard else SOFT.format(time=SOFT_TIME / units.second)
-    sites = ((f"{pin.second}:{pin.point}", f"{pin.first}:{pin.point}") for pin in scene.pins)
-    pins = "".join(f'<connect site1="{second}" site2="{first}" {holds}/>' for second, first in sites)
+    pins = "".join(f'<connect site1="{p.second}:{p.point}" site2="{p.first}:{p.point}" {holds}/>' for p in scene.pins)
     g = _space(complex(*(scene.gravity or (0, 0))) * units.second**2 / linkage.size)
     drive = f'<joint joint1="{linkage.coordinates_of(scene.drive.body)[-1]}" {holds}/>'
     compiled: Any = mujoco.MjModel.from_xml_string(
@@ -73,7 +72,7 @@ def _content(linkage: System, units: MujocoUnits, parent: str) -> Iterator[str]:
         named = zip(linkage.coordinates_of(name), axes, strict=True)
         joints = (f'<joint name="{joint}" type="{kind}" axis="{axis}"/>' for joint, (kind, axis) in named)
         about = f'diaginertia="{inertia!r} {inertia!r} {inertia!r}"'
-        weight = f'<inertial pos="{_space(complex(*rigid.com) / linkage.size)}" mass="{mass!r}" {about}/>'
+        weight = f'<inertial pos="{_space(rigid.com / linkage.size)}" mass="{mass!r}" {about}/>'
         content = "".join((*joints, weight, *_content(linkage, units, name)))
         yield f'<body name="{name}" pos="{_space(place)}">{content}</body>'
 

@@ -12,7 +12,7 @@ from scenes.model.motion import Samples, force_channels
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import End, MovingBody
-from ..coordinates.loads import applied
+from ..coordinates.loads import Wrench, applied
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.start import SCENES, Start, begun
 from ..coordinates.system import System
@@ -116,18 +116,15 @@ class MujocoSimulation(CoordinateSimulation[System]):
             column = self._model.joint(f"{slider}.s").qposadr[0]
             return size * data.qpos[column], size / units.second * data.qvel[column]
 
-        def way(first: End, second: End) -> complex:
-            return size * (self._site(second) - self._site(first))
+        def place(end: End) -> complex:
+            return size * complex(*data.site(":".join(end)).xpos[:2])
 
         data.xfrc_applied[:] = 0
-        for end, force in applied(self._scene, self._ends, slid, way, SHORTEST_SPRING * size):
-            if end[0] != GROUND:
-                body, scaled = data.body(end[0]), force / units.force
-                moment = ((self._site(end) - complex(*body.xipos[:2])).conjugate() * scaled).imag
-                data.xfrc_applied[body.id] += scaled.real, scaled.imag, 0, 0, 0, moment
-
-    def _site(self, end: End) -> complex:
-        return complex(*self._data.site(":".join(end)).xpos[:2])
+        for wrench in applied(self._scene, self._ends, slid, place, SHORTEST_SPRING * size):
+            if wrench.body != GROUND:
+                body, force = data.body(wrench.body), wrench.force / units.force
+                moment = wrench.about(size * complex(*body.xipos[:2])) / (units.force * size)
+                data.xfrc_applied[body.id] += force.real, force.imag, 0, 0, 0, moment
 
 
 def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends: Samples) -> dict[str, Samples]:
@@ -137,24 +134,22 @@ def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends
     of the slider leave.
     """
     scene = system.scene
-    exerted: list[tuple[str, Any, Any, Any]] = [(*load, 0.0) for load in system.applied(moving, ends)]
+    exerted = [*system.applied(moving, ends)]
     channels = {force_channels(scene)[-1]: held[:, -1]}
     for pin, fx, fy in zip(scene.pins, held[:, :-1:2].T, held[:, 1:-1:2].T, strict=True):
         channels |= {f"{pin.channel}.fx": fx, f"{pin.channel}.fy": fy}
         for body, force in ((pin.first, -fx - 1j * fy), (pin.second, fx + 1j * fy)):
-            exerted.append((body, moving[body].place(system.arms[body, pin.point]), force, 0.0))
+            exerted.append(Wrench(body, moving[body].place(system.arms[body, pin.point]), force))
     for name in (name for name in reversed(system.carriers_first()) if name in system.guides):
         carrier, _, along, first = system.guides[name]
         of, rigid = moving[name], system.bodies[name]
-        foot, (com, _, acceleration) = of.place(first), of.at(complex(*rigid.com))
+        foot, (com, _, acceleration) = of.place(first), of.at(rigid.com)
         needed = rigid.mass * (acceleration - complex(*(scene.gravity or (0, 0))))
         moment = rigid.inertia * of.alpha + ((com - foot).conjugate() * needed).imag
-        for on, at, force, couple in exerted:
-            if on == name:
-                needed = needed - force
-                moment = moment - couple - ((at - foot).conjugate() * force).imag
+        for wrench in (wrench for wrench in exerted if wrench.body == name):
+            needed, moment = needed - wrench.force, moment - wrench.about(foot)
         across = 1j * along * moving[carrier].turn
         normal = (np.conj(across) * needed).real
         channels |= {f"{name}.guide_force": normal, f"{name}.guide_moment": moment}
-        exerted.append((carrier, foot, -across * normal, -moment))
+        exerted.append(Wrench(carrier, foot, -across * normal, -moment))
     return channels

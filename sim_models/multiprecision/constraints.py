@@ -89,7 +89,7 @@ class LinkageEquations:
         """A length of the linkage's order, m: the spread of its points, or the driven slider's travel."""
         known = np.array([*self.scene.drawn.values()] or [0j])
         arms = (np.hypot(float(x), float(y)) for arms in self.arms.values() for x, y in arms.values())
-        travel = 0.0 if self.scene.driven_slide is None else float(self.law.travel)
+        travel = 0.0 if self.scene.driven_slide is None else np.ptp(self.scene.drive.extent)
         return float(max(*np.abs(known - known.mean()), *arms, travel)) or 1.0
 
     @property

@@ -5,8 +5,6 @@ the linkage's size. So every criterion here is on y alone, which has no unit: a 
 displacement by Δ sizes, or of one that is longer than the size by Δ of itself, is called a turn for short.
 """
 
-from collections.abc import Iterable, Iterator
-from itertools import groupby
 from math import radians
 from typing import NamedTuple
 
@@ -18,7 +16,7 @@ from scenes.model.constraints import joint_rows, misfit
 from scenes.model.motion import Samples
 
 from .constraints import LinkageEquations
-from .rows import angles, solved
+from .rows import solved
 
 LARGEST_TURN = radians(6)  # of any body in one step: a crank's 72 positions a turn are one step each
 # The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
@@ -51,11 +49,8 @@ class Continuation:
     def __init__(self, linkage: LinkageEquations, digits: int, budget: ProcessorBudget) -> None:
         self.linkage, self.budget = linkage, budget
         self.rows = linkage.constraints
-        parts = (self.rows.C, self.rows.S, self.rows.U, self.rows.V)
-        self._C, self._S, self._U, self._V = (np.array(part.tolist(), dtype=float) for part in parts)
+        self._C, self._S = (np.array(part.tolist(), dtype=float) for part in (self.rows.C, self.rows.S))
         self._units = np.array(linkage.units)
-        alike = groupby(sorted(_nonlinear(linkage), key=len), key=len)
-        self._groups = [np.array([*own]) for _, own in alike]  # the y that are found together, groups of one size each
         self.converged = 10.0 ** (-2 * digits / 3)
         self.halo = arb_mat([[arb(0, unit * self.converged)] for unit in linkage.units])
         self.counters = {"steps": 0, "rejected_steps": 0, "newton_iterations": 0}
@@ -130,11 +125,9 @@ class Continuation:
 
         det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of S J^-1 ΔB is less than one, no matrix on the line
         between the two is singular. The least of its norms in any units of y is the spectral radius of the matrix of
-        its magnitudes (Perron and Frobenius), which is block triangular as J is.
+        its magnitudes (Perron and Frobenius).
         """
-        relative = np.abs(self._S @ (inverse @ change))
-        parts = (relative[own[:, :, np.newaxis], own[:, np.newaxis, :]] for own in self._groups)
-        return float(max((np.abs(np.linalg.eigvals(part)).max() for part in parts), default=0.0))
+        return float(np.abs(np.linalg.eigvals(np.abs(self._S @ (inverse @ change)))).max())
 
     def _newton(self, q: arb_mat, goal: arb_mat, turn: float, enough: float) -> arb_mat | None:
         """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
@@ -156,10 +149,8 @@ class Continuation:
 
     def _varying(self, q: arb_mat) -> Samples:
         """Return B in double precision."""
-        angle = np.array([*map(float, angles(q))])
         B = np.zeros((len(self._C), len(self._S)))
-        B[:, : len(angle)] = -(self._U * np.sin(angle) + self._V * np.cos(angle))
-        for place, slope in self.rows.guided(q).items():
+        for place, slope in self.rows.varying(q).items():
             B[place] = float(slope)
         return B
 
@@ -176,34 +167,17 @@ class Continuation:
 
     def _singular(self, q: arb_mat, goal: arb_mat) -> Failure:
         """Return why no pose follows q on the way to the goal, and which joint stays open from there on."""
-        here, there = float(self.linkage.position.value(q)[0, 0]), float(goal[goal.nrows() - 1, 0])
-        open_by = _misfit(self.linkage, q, np.linspace(here, there, TRIALS)[1:])
+        linkage, rows, scene = self.linkage, self.rows, self.linkage.scene
+        here, there = float(linkage.position.value(q)[0, 0]), float(goal[goal.nrows() - 1, 0])
+        open_by = misfit(  # in doubles
+            scene,
+            np.linspace(here, there, TRIALS)[1:],
+            lambda position, at: _floats(rows.value(_balls(at)) - linkage.drive(position)),
+            lambda at: np.array(rows.jacobian(_balls(at)).tolist(), dtype=float),
+            *(_floats(q), self._units, joint_rows(scene.pins, scene.slides), linkage.size),
+        )
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
         return Failure(Status.cannot_assemble, reason + open_by)
-
-
-def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
-    """Yield for every group of equations that is not linear in its own unknowns in which y it is not."""
-    rows = linkage.constraints
-    terms = [*rows.varying(arb_mat(rows.C.ncols(), 1))]
-    for group in linkage.groups:
-        own = {y for row, y in terms if row in group.rows and not {*rows.moved_by[y]}.isdisjoint(group.columns)}
-        if own:
-            yield sorted(own)
-
-
-def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -> str:
-    """A sentence on which joint stays open, near a pose q, at the first position where one does; so in doubles."""
-    scene, rows = linkage.scene, linkage.constraints
-    joints = joint_rows(scene.pins, scene.slides)
-
-    def gaps(position: float, at: Samples) -> Samples:
-        return _floats(rows.value(_balls(at)) - linkage.drive(position))
-
-    def jacobian(at: Samples) -> Samples:
-        return np.array(rows.jacobian(_balls(at)).tolist(), dtype=float)
-
-    return misfit(scene, positions, gaps, jacobian, _floats(q), np.array(linkage.units), joints, linkage.size)
 
 
 def _floats(balls: arb_mat) -> Samples:

@@ -19,13 +19,12 @@ from .laws import SegmentsLaw, SinesLaw, ball
 
 
 class SteadyLaw:
-    """A constant speed, turn after turn or once to an end; `travel` and `pace` are its way and its speed, positive."""
+    """A constant speed, turn after turn or once to an end."""
 
     def __init__(self, drive: ConstantSpeed) -> None:
         self._start, self._speed = arb(drive.start), arb(drive.speed)
         turn = 2 * arb.pi() * (1 if drive.speed > 0 else -1)
         self._advance = turn if drive.end is None else arb(drive.end) - self._start
-        self.travel, self.pace = abs(self._advance), abs(self._speed)
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles, whole or not."""
@@ -37,7 +36,7 @@ class SteadyLaw:
 
 
 class SplineLaw:
-    """A cubic spline through a table; `travel` is the way between its extreme entries, `pace` its steepest chord."""
+    """A cubic spline through a table."""
 
     def __init__(self, drive: MotionLaw) -> None:
         self._times = [Fraction(time) for time in drive.times]
@@ -46,7 +45,6 @@ class SplineLaw:
         self._steps = [ball(late - early) for early, late in pairwise(self._times)]
         chords = [(z - y) / h for (y, z), h in zip(pairwise(self._positions), self._steps, strict=True)]
         self._bends = second_derivatives(self._steps, chords, periodic=drive.periodic)
-        self.travel, self.pace = arb(max(drive.positions)) - min(drive.positions), max(map(abs, chords), key=float)
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles, from the cubic over the step of h from y, M to z, N.

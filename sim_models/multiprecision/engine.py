@@ -3,8 +3,9 @@
 A formulation far from any loop of vectors: absolute coordinates of every body, all constraints at once, followed from
 the sketch by continuation in the position of the drive; velocities and accelerations from the constraint Jacobian,
 reactions as its Lagrange multipliers. The scene's double-precision numbers are taken as exact; the drive and all loads
-are evaluated from them in the same arithmetic, and nothing that `scenes` computes for all models is used here. Only the
-drive's positions are then rounded to doubles, at which the pose is found and returned.
+are evaluated from them in the same arithmetic, and nothing that `scenes` computes for all models is used here but the
+drive's extent and peak rate, by which errors are scaled. Only the drive's positions are then rounded to doubles, at
+which the pose is found and returned.
 
 Engine: python-flint, imported only when a run is built.
 """

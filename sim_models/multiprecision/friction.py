@@ -17,7 +17,7 @@ from scenes import Failure, Status
 from scenes.elements.friction import AT_REST, Friction, PinFriction
 
 from .constraints import LinkageEquations
-from .rows import EquationRows, angles, column, solved
+from .rows import EquationRows, angles, column, part, solved
 
 GROWTH = 0.5  # largest change of any g in one step of the factor on all coefficients, of the largest g
 LEAST_STEP = 1e-12  # of that factor, so near to one where forces grow without bound, or where two solutions meet
@@ -72,12 +72,13 @@ def resisted(
     given = without + Y * column(viscous)
     senses = [(one, one.sense(rate, turning, moving)) for one, rate in zip(frictions, rates, strict=True)]
     parts = [(i, P, one.rows) for i, one in enumerate(frictions) for P in one.presses]
-    terms = [(i, P * _of(given, rows), P * _of(Y, rows)) for i, P, rows in parts]
+    every = range(len(frictions))
+    terms = [(i, P * part(given, rows, [0]), P * part(Y, rows, every)) for i, P, rows in parts]
     pressed = Pressed(linkage.scene.where(float(linkage.position.value(q)[0, 0])), senses, terms)
-    dry = pressed.factors(1.0) * column(pressed.enclosed(pressed.followed()))
-    t = [-x - v for x, v in zip(dry.entries(), viscous, strict=True)]
+    dry = [c * g for c, g in zip(pressed.factors(1.0), pressed.enclosed(pressed.followed()), strict=True)]
+    t = [-x - v for x, v in zip(dry, viscous, strict=True)]
     power = sum((x * rate for x, rate in zip(t, rates, strict=True)), arb(0))
-    return column([*(given + Y * dry).entries(), *t, power])
+    return column([*(given + Y * column(dry)).entries(), *t, power])
 
 
 class Pressed(NamedTuple):
@@ -90,12 +91,9 @@ class Pressed(NamedTuple):
     senses: Sequence[tuple[JointResistance, arb]]
     terms: Sequence[tuple[int, arb_mat, arb_mat]]
 
-    def factors(self, factor: float) -> arb_mat:
-        """Return all c s, on the diagonal, with a factor on all coefficients."""
-        cs = arb_mat(len(self.senses), len(self.senses))
-        for i, (friction, s) in enumerate(self.senses):
-            cs[i, i] = friction.coefficient(factor) * s
-        return cs
+    def factors(self, factor: float) -> list[arb]:
+        """Return all c s, with a factor on all coefficients."""
+        return [friction.coefficient(factor) * s for friction, s in self.senses]
 
     def followed(self) -> Sequence[arb]:
         """Return g about, followed over the factor from 0 to 1."""
@@ -144,15 +142,12 @@ class Pressed(NamedTuple):
         """Return g - Σ |a + B c s g| and its slopes; where the balls hold a kink, all of those there."""
         every, cs = range(len(g)), self.factors(factor)
         open_by, slopes = column(g), arb_mat([[int(i == j) for j in every] for i in every])
+        acting = column([c * x for c, x in zip(cs, g, strict=True)])
         for i, a, B in self.terms:
-            force = a + B * cs * column(g)
+            force = a + B * acting
             size = (force.transpose() * force)[0, 0].nonnegative_part().sqrt()
             normal = [x / size if size > 0 else ANY_DIRECTION for x in force.entries()]
             open_by[i, 0] -= size
-            for j, slope in zip(every, (arb_mat([normal]) * B * cs).entries(), strict=True):
-                slopes[i, j] -= slope
+            for j, slope in zip(every, (arb_mat([normal]) * B).entries(), strict=True):
+                slopes[i, j] -= slope * cs[j]
         return open_by, slopes
-
-
-def _of(matrix: arb_mat, rows: tuple[int, int]) -> arb_mat:
-    return arb_mat([[matrix[i, j] for j in range(matrix.ncols())] for i in rows])

@@ -44,7 +44,7 @@ class Command(NamedTuple):
 
 
 class SegmentsLaw:
-    """Segments in a row; of `travel` and `pace`, by which only errors are scaled, there is no second implementation."""
+    """Segments in a row."""
 
     def __init__(self, drive: SegmentedLaw) -> None:
         self._laws, self._periodic, self._durations = drive.laws, drive.periodic, [*map(Fraction, drive.durations)]
@@ -52,7 +52,6 @@ class SegmentsLaw:
         self._positions = [arb(drive.start)]
         for end in drive.ends:
             self._positions.append(self._positions[-1] if end is None else arb(end))
-        self.travel, self.pace = arb(max(drive.extent)) - min(drive.extent), arb(drive.peak_rate)
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles: on a boundary, or so near to one, the later segment's."""
@@ -84,7 +83,6 @@ class SinesLaw:
         self._period = Fraction(lcm(*(f.denominator for f in frequencies)), gcd(*(f.numerator for f in frequencies)))
         self._middle = arb(drive.middle)
         self._sines = [*zip(map(arb, drive.amplitudes), frequencies, map(arb, drive.phases), strict=True)]
-        self.travel, self.pace = arb(max(drive.extent)) - min(drive.extent), arb(drive.peak_rate)
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles, whole or not."""

@@ -8,7 +8,7 @@ from typing import TypeAlias
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.scene import Force, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
+from scenes.scene import ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
 from .rows import EquationRows, PlaneVector, vector
@@ -16,7 +16,7 @@ from .start import closing_sign
 
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat, arb], arb_mat]  # of q, its rate, both (3 bodies, 1); time, s
 UnitForce: TypeAlias = Callable[[arb_mat], arb_mat]  # Q of 1 N or 1 N m, of q
-Size: TypeAlias = Callable[[arb_mat, arb], arb]  # N or N m, of q and the time, s
+Size: TypeAlias = Callable[[arb_mat, arb_mat, arb], arb]  # N or N m, of the same
 
 HALF_TURN = pi + 1e-9  # rad: half a turn is that, whichever way the scene's numbers were rounded
 
@@ -27,63 +27,49 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
     `start` is the pose at time zero. Q raises a Failure where the ends of a spring meet, so that it has no direction.
     """
     scene = linkage.scene
-    work = EquationRows(1, len(linkage.index))  # Σ F·p + Σ m g·r of all that is constant
-    others = [_spring(linkage, spring) for spring in scene.springs]
-    others += [_torsion_spring(linkage, spring, start) for spring in scene.torsion_springs]
-    for load in scene.loads:
-        if isinstance(load, Force) and load.frame == "ground":
-            linkage.add_point(work, 0, vector(load.force), load.body, load.at)
-        elif isinstance(load, PressForce):
-            others.append(_press(linkage, load, ends[load]))
-        else:
-            others.append(_sized(_unit_force(linkage, load), _size(linkage, load)))
+    weight = EquationRows(1, len(linkage.index))  # Σ m g·r, its work
+    loads = [(_unit_force(linkage, load), _size(linkage, load, ends)) for load in scene.loads]
+    springs = [_spring(linkage, spring) for spring in scene.springs]
+    springs += [_torsion_spring(linkage, spring, start) for spring in scene.torsion_springs]
     if scene.gravity is not None:
         for i in linkage.index.values():
             m = linkage.mass[3 * i]
-            work.add_point(0, (m * scene.gravity[0], m * scene.gravity[1]), i, (arb(0), arb(0)))
+            weight.add_point(0, (m * scene.gravity[0], m * scene.gravity[1]), i, (arb(0), arb(0)))
 
     def total(q: arb_mat, velocity: arb_mat, time: arb) -> arb_mat:
-        Q = work.jacobian(q).transpose()
-        for force in others:
-            Q = Q + force(q, velocity, time)
+        Q = weight.jacobian(q).transpose()
+        for unit, size in loads:
+            Q = Q + unit(q) * size(q, velocity, time)
+        for spring in springs:
+            Q = Q + spring(q, velocity, time)
         return Q
 
     return total
 
 
-def _press(linkage: LinkageEquations, load: PressForce, end: float) -> GeneralisedForce:
-    """Return a force that acts where the balls prove both: its power is negative, its stroke is in the last part."""
-    unit, displacement = _unit_force(linkage, load), linkage.displacement(load.body)
-    closing = closing_sign(linkage.scene, load)
+def _pressing(linkage: LinkageEquations, load: PressForce, end: float) -> Size:
+    """Return 1 where the balls prove that the slider closes, in the last part of its stroke, else 0."""
+    displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
 
-    def force(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
-        Q, left = unit(q), closing * (end - displacement.value(q)[0, 0])
-        acts = (Q.transpose() * velocity)[0, 0] < 0 and left <= load.last  # neither is proven on the switch
-        return Q * arb(int(acts))
+    def acts(q: arb_mat, velocity: arb_mat, _time: arb) -> arb:
+        rate, left = (displacement.jacobian(q) * velocity)[0, 0], closing * (end - displacement.value(q)[0, 0])
+        return arb(int(closing * rate > 0 and left <= load.last))  # neither is proven on the switch
 
-    return force
-
-
-def _sized(unit: UnitForce, size: Size) -> GeneralisedForce:
-    return lambda q, _velocity, time: unit(q) * size(q, time)
+    return acts
 
 
 def _unit_force(linkage: LinkageEquations, load: Load) -> UnitForce:
     """Return what a load does for every N or N m of its size: the derivative of its work, a row of equations."""
     work = EquationRows(1, len(linkage.index))
-    match load:
-        case Force(frame="body", force=force):
-            return _turning(linkage, load, vector(force))
-        case TableForce(frame="body", along=along):
-            return _turning(linkage, load, _unit(along))
-        case TableForce(along=along):
-            linkage.add_point(work, 0, _unit(along), load.body, load.at)
-        case PressForce(force=force):
-            linkage.add_point(work, 0, vector(force), load.body, load.at)
-        case Moment():
-            work.add_angle(0, linkage.index[load.body], arb(1))
-        case _:  # what moves along the guide against what has it
-            work = linkage.displacement(load.body, load.at)
+    if isinstance(load, Moment):
+        work.add_angle(0, linkage.index[load.body], arb(1))
+    elif isinstance(load, ForceTable | GuideForce):  # what moves along the guide against what has it
+        work = linkage.displacement(load.body, load.at)
+    else:
+        force = _unit(load.along) if isinstance(load, TableForce) else vector(load.force)
+        if not isinstance(load, PressForce) and load.frame == "body":
+            return _turning(linkage, load, force)
+        linkage.add_point(work, 0, force, load.body, load.at)
     return lambda q: work.jacobian(q).transpose()
 
 
@@ -99,15 +85,17 @@ def _turning(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitF
     return of
 
 
-def _size(linkage: LinkageEquations, load: Load) -> Size:
-    if isinstance(load, Force | PressForce) or (table := load.table) is None:
+def _size(linkage: LinkageEquations, load: Load, ends: Mapping[PressForce, float]) -> Size:
+    if isinstance(load, PressForce):
+        return _pressing(linkage, load, ends[load])
+    if (table := load.table) is None:
         size = arb(load.moment if isinstance(load, Moment) else load.force if isinstance(load, GuideForce) else 1)
-        return lambda _q, _time: size
+        return lambda _q, _velocity, _time: size
     value = straight_lines(table.arguments, table.values, periodic=table.periodic)
     if table.over == "time":
-        return lambda _q, time: value(time)
+        return lambda _q, _velocity, time: value(time)
     argument = linkage.position if table.over == "drive" else linkage.displacement(load.body)
-    return lambda q, _time: value(argument.value(q)[0, 0])
+    return lambda q, _velocity, _time: value(argument.value(q)[0, 0])
 
 
 def straight_lines(arguments: Sequence[float], values: Sequence[float], *, periodic: bool) -> Callable[[arb], arb]:

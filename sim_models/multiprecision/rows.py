@@ -54,13 +54,11 @@ class EquationRows:
     def __init__(self, count: int, bodies: int, guides: int = 0, size: float = 1.0) -> None:
         self.k = arb_mat(count, 1)
         self.C = arb_mat(count, 3 * bodies)
-        self.U = arb_mat(count, bodies)
-        self.V = arb_mat(count, bodies)
         self.S = arb_mat(bodies + 2 * guides, 3 * bodies)
         self.moved_by = [[3 * i + 2] for i in range(bodies)]  # the columns of S by row
         for i in range(bodies):
             self.S[i, 3 * i + 2] = arb(1)
-        self._arms: dict[tuple[int, int], PlaneVector] = {}  # entries of U and V by row and body
+        self._levers: dict[tuple[int, int], PlaneVector] = {}  # entries of U and V by row and body
         self._guides: list[GuideTerm] = []
         self._size = arb(size)
 
@@ -72,10 +70,8 @@ class EquationRows:
         """Add the projection w·p of a body's point p = r + e^{iθ} s to a row, s being the `arm` in the body's frame."""
         self.C[row, 3 * body] += weight[0]
         self.C[row, 3 * body + 1] += weight[1]
-        u, v = _lever(weight, arm)
-        self.U[row, body] += u
-        self.V[row, body] += v
-        self._arms[row, body] = self.U[row, body], self.V[row, body]
+        (U, V), (u, v) = self._levers.get((row, body), (arb(0), arb(0))), _lever(weight, arm)
+        self._levers[row, body] = U + u, V + v
 
     def add_guide(self, row: int, direction: PlaneVector, carrier: int, slider: int) -> None:
         """Add the way from the carrier's to the slider's centre of mass, projected on a direction of the carrier's.
@@ -83,9 +79,9 @@ class EquationRows:
         A row holds one such term at most; rows with the same way share its columns.
         """
         ways = {(guide.carrier, guide.slider): guide.column for guide in self._guides}
-        column = ways.get((carrier, slider), self.U.ncols() + 2 * len(ways))
+        column = ways.get((carrier, slider), self.C.ncols() // 3 + 2 * len(ways))
         self._guides.append(GuideTerm(row, column, carrier, slider, direction))
-        self._arms[row, carrier] = self.U[row, carrier], self.V[row, carrier]
+        self._levers.setdefault((row, carrier), (arb(0), arb(0)))
         for axis in (0, 1) if (carrier, slider) not in ways else ():
             self.S[column + axis, 3 * slider + axis] = 1 / self._size
             self.S[column + axis, 3 * carrier + axis] = -1 / self._size
@@ -93,25 +89,17 @@ class EquationRows:
 
     def value(self, q: arb_mat) -> arb_mat:
         """Return f(q) of (1), shape (rows, 1)."""
-        U, V = self._levers(q)
-        sin, cos = _sin_cos(q)
-        return self.k + self.C * q + U * column(cos) - V * column(sin)
+        f, (sin, cos) = self.k + self.C * q, _sin_cos(q)
+        for (row, body), (u, v) in self._levers_at(q).items():
+            f[row, 0] += u * cos[body] - v * sin[body]
+        return f
 
     def varying(self, q: arb_mat) -> dict[tuple[int, int], arb]:
         """Return B of (2), the part of J that varies, for y = S q alone: the entries that are not zero."""
         sin, cos = _sin_cos(q)
-        B = {(row, body): -(u * sin[body] + v * cos[body]) for (row, body), (u, v) in self._arms.items()}
-        return B | self.guided(q)
-
-    def guided(self, q: arb_mat) -> dict[tuple[int, int], arb]:
-        """Return the entries of B in which slides on moving bodies have a part."""
-        B: dict[tuple[int, int], arb] = {}
-        if not self._guides:
-            return B
-        (U, V), (sin, cos) = self._levers(q), _sin_cos(q)
+        B = {(row, body): -(u * sin[body] + v * cos[body]) for (row, body), (u, v) in self._levers_at(q).items()}
         for guide in self._guides:
             (x, y), s, c = guide.direction, sin[guide.carrier], cos[guide.carrier]
-            B[guide.row, guide.carrier] = -(U[guide.row, guide.carrier] * s + V[guide.row, guide.carrier] * c)
             B[guide.row, guide.column] = self._size * (x * c - y * s)
             B[guide.row, guide.column + 1] = self._size * (x * s + y * c)
         return B
@@ -134,27 +122,23 @@ class EquationRows:
 
     def centripetal(self, q: arb_mat, rate: arb_mat) -> arb_mat:
         """Return J q'' - f'' of (3), shape (rows, 1), for q' = `rate`: the centripetal and the Coriolis terms."""
-        U, V = self._levers(q)
-        sin, cos = _sin_cos(q)
-        omega = angles(rate)
-        total = U * column([c * w * w for c, w in zip(cos, omega, strict=True)])
-        total -= V * column([s * w * w for s, w in zip(sin, omega, strict=True)])
+        (sin, cos), omega = _sin_cos(q), angles(rate)
+        total = arb_mat(self.k.nrows(), 1)
+        for (row, body), (u, v) in self._levers_at(q).items():
+            total[row, 0] += (u * cos[body] - v * sin[body]) * omega[body] * omega[body]
         for guide in self._guides:
             u, v = _lever(guide.way(rate), guide.direction)
             s, c = sin[guide.carrier], cos[guide.carrier]
             total[guide.row, 0] += 2 * omega[guide.carrier] * (u * s + v * c)
         return total
 
-    def _levers(self, q: arb_mat) -> tuple[arb_mat, arb_mat]:
-        """Return U and V of (1), each of shape (rows, bodies)."""
-        if not self._guides:
-            return self.U, self.V
-        U, V = arb_mat(self.U), arb_mat(self.V)
+    def _levers_at(self, q: arb_mat) -> dict[tuple[int, int], PlaneVector]:
+        """Return the entries of U and V of (1) by row and body, of a pose."""
+        levers = dict(self._levers)
         for guide in self._guides:
-            u, v = _lever(guide.way(q), guide.direction)
-            U[guide.row, guide.carrier] += u
-            V[guide.row, guide.carrier] += v
-        return U, V
+            (U, V), (u, v) = levers[guide.row, guide.carrier], _lever(guide.way(q), guide.direction)
+            levers[guide.row, guide.carrier] = U + u, V + v
+        return levers
 
 
 def angles(q: arb_mat) -> list[arb]:
@@ -195,14 +179,15 @@ def solved(groups: Sequence[DiagonalBlock], matrix: arb_mat, right: arb_mat, **h
     every = range(right.ncols())
     solution = arb_mat(right.nrows(), len(every))
     for rows, columns, left in groups:
-        given = _part(right, rows, every)
+        given = part(right, rows, every)
         if left:
-            given -= _part(matrix, rows, left) * _part(solution, left, every)
-        for j, values in zip(columns, _part(matrix, rows, columns).solve(given, **how).tolist(), strict=True):
+            given -= part(matrix, rows, left) * part(solution, left, every)
+        for j, values in zip(columns, part(matrix, rows, columns).solve(given, **how).tolist(), strict=True):
             for k, value in enumerate(values):
                 solution[j, k] = value
     return solution
 
 
-def _part(matrix: arb_mat, rows: Sequence[int], columns: Sequence[int]) -> arb_mat:
+def part(matrix: arb_mat, rows: Sequence[int], columns: Sequence[int]) -> arb_mat:
+    """Return the entries of some rows and columns as a matrix."""
     return arb_mat(len(rows), len(columns), [matrix[i, j] for i in rows for j in columns])

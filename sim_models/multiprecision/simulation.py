@@ -56,11 +56,11 @@ def solution_in(
 def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> dict[str, float]:
     """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
 
-    A drive's pace is its rate, in rad/s, or in driven slider's travels per second. The error of the forces is that of
-    any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
+    A drive's pace is its peak rate, rad/s, or in travels of the driven slider per second. The error of the forces is
+    that of any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
     """
     scene = linkage.scene
-    pace = float(linkage.law.pace / (1 if scene.driven_slide is None else linkage.law.travel))
+    pace = scene.drive.peak_rate / (1 if scene.driven_slide is None else np.ptp(scene.drive.extent))
     levels = ([_radii(solution[level]) for solution in solutions] for level in range(3))
     motion = [np.max(radii / np.array(linkage.units)) / pace**order for order, radii in enumerate(levels)]
     errors = {"constraints": float(np.max(motion))}
@@ -98,8 +98,7 @@ class MultiprecisionSimulation:
     def __init__(self, scene: Scene, settings: MultiprecisionSettings, request: Request) -> None:
         """Find the pose at the start, and the ends of press forces' strokes, see `engine.build`."""
         self._request, self._settings = request, settings
-        self._commands: list[Command] = []
-        self._solutions: list[Solution] = []
+        self._rows: list[list[float]] = []  # of channels, a sample each
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
         budget = ProcessorBudget(settings.seconds, "the start from the sketch")
@@ -118,17 +117,16 @@ class MultiprecisionSimulation:
         linkage, digits = self._linkage, self._settings.digits
         budget = ProcessorBudget(self._settings.seconds_for(self._request), "the motion")
         continuation = Continuation(linkage, digits, budget)
-        self._solutions = []
-        q = self._start
+        solutions, self._rows, q = list[Solution](), [], self._start
         with ctx.workdps(digits):
-            self._commands = commands(linkage.law, self._request)
-            for number, command in enumerate(self._commands, start=1):
+            for number, command in enumerate(commands(linkage.law, self._request), start=1):
                 budget.task = f"sample {number} of {self._request.count}"
                 goal = linkage.drive(float(command.position))  # the drive's channel is where the pose is
                 q = continuation.follow(q, goal)
                 pose = continuation.enclose(q, goal)
-                self._solutions.append(solution_in(linkage, self._force, pose, command, self._frictions))
-            self.residuals = proven_errors(linkage, self._solutions)
+                solutions.append(solution_in(linkage, self._force, pose, command, self._frictions))
+                self._rows.append([float(ball) for ball in (command.time, *_values(linkage, solutions[-1]))])
+            self.residuals = proven_errors(linkage, solutions)
         self.counters = continuation.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
             if proven in self.residuals and not self.residuals[proven] <= ENOUGH:
@@ -137,9 +135,7 @@ class MultiprecisionSimulation:
 
     def read(self) -> Motion:
         """Return the channels requested, in double precision."""
-        linkage, runs = self._linkage, zip(self._commands, self._solutions, strict=True)
-        with ctx.workdps(self._settings.digits):
-            table = [[float(ball) for ball in (c.time, *_values(linkage, solution))] for c, solution in runs]
+        scene = self._linkage.scene
         # Forces that nobody asks for are those without friction, and fewer.
-        samples = dict(zip(channels(linkage.scene), np.array(table).T, strict=False))
-        return Motion({channel: samples[channel] for channel in self._request.wanted(linkage.scene)})
+        samples = dict(zip(channels(scene), np.array(self._rows).T, strict=False))
+        return Motion({channel: samples[channel] for channel in self._request.wanted(scene)})

@@ -8,8 +8,9 @@ from scenes import Scene
 from scenes.model.motion import Samples, force_channels
 
 from ..coordinates.bodies import MovingBody
+from ..coordinates.loads import Wrench
 from ..coordinates.system import System
-from .tree import Tree, Wrench
+from .tree import Tree
 
 SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
 
@@ -56,7 +57,7 @@ class Closures(System):
         `motion` has the coordinates and their two derivatives, each of shape (n,); J is the Jacobian there.
         """
         motion = [self.units * of for of in motion]
-        loads = [Wrench(*load) for load in self.applied(bodies, ends, SHORTEST_SPRING * self.size)]
+        loads = [*self.applied(bodies, ends, SHORTEST_SPRING * self.size)]
         needed = self.units * self.tree.inverse_dynamics(bodies, motion, loads)
         multipliers = np.linalg.solve(J.T, needed) / self.row_units
         self.tree.inverse_dynamics(bodies, motion, [*loads, *self._held(bodies, multipliers)])

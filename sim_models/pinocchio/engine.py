@@ -16,7 +16,7 @@ from scenes.model.engine import Simulation
 
 from ..coordinates.settings import NEWTON, PoseSettings, ladder
 
-_baumgarte = partial(ladder, "Baumgarte", 2, drive_promise=0.1)
+_baumgarte = partial(ladder, PoseSettings, "Baumgarte", 2, drive_promise=0.1)
 KINDS = PLAIN_KINDS
 FAST = DEFAULT = EXACT = NEWTON
 WORK_PRECISION = (*_baumgarte(72, 144, 360, 720), DEFAULT)

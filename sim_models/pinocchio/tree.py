@@ -15,6 +15,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import MovingBody
+from ..coordinates.loads import Wrench
 from ..coordinates.system import System
 
 WORLD = pinocchio.LOCAL_WORLD_ALIGNED
@@ -34,15 +35,6 @@ class TreeJoint(NamedTuple):
     def turns(self) -> bool:
         """Whether it is a pin."""
         return self.along == 0
-
-
-class Wrench(NamedTuple):
-    """A force on a body, N, at a place, m, and a moment, N m."""
-
-    body: str
-    at: complex
-    force: complex
-    moment: float = 0.0
 
 
 class Tree:
@@ -83,9 +75,9 @@ class Tree:
     ) -> Samples:
         """Return the generalised forces that a motion q, v, a needs besides wrenches; Pinocchio keeps the joints'."""
         linear, angular = dict.fromkeys(self.number, 0j), dict.fromkeys(self.number, 0.0)
-        for body, at, force, moment in wrenches:
-            linear[body] += force
-            angular[body] += moment + ((at - bodies[body].origin).conjugate() * force).imag
+        for wrench in wrenches:
+            linear[wrench.body] += wrench.force
+            angular[wrench.body] += wrench.about(bodies[wrench.body].origin)
         forces: Any = pinocchio.StdVec_Force()
         forces.extend([pinocchio.Force.Zero()] * self.model.njoints)
         for body, number in self.number.items():
@@ -106,7 +98,7 @@ class Tree:
         number: int = self.model.addJoint(self.number[joint.parent], kind, place, joint.name)
         body = self.bodies[joint.child]
         about = np.diag([body.inertia / 2, body.inertia / 2, body.inertia])  # only the last matters in the plane
-        inertia = pinocchio.Inertia(body.mass, _space(complex(*body.com) - joint.anchor), about)
+        inertia = pinocchio.Inertia(body.mass, _space(body.com - joint.anchor), about)
         self.model.appendBodyToJoint(number, inertia, pinocchio.SE3.Identity())
         return number
 

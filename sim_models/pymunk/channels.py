@@ -5,18 +5,18 @@ constraints as coordinates, so M q'' = F + J^T lambda has one solution, and its 
 guides and the effort of the drive, in the order and with the signs of `scenes.model.motion.force_channels`.
 """
 
-from collections.abc import Iterable, Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from scenes.model.motion import Samples, force_channels, friction_channels
+from scenes.model.constraints import blocks
+from scenes.model.motion import Samples, force_channels, kinematic_channels
 from scenes.scene import GROUND
 
-from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, blocks, solved
+from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, solved
 from .friction import with_friction
-from .loads import Active, applied, instants
+from .loads import active_presses, applied, instants
 from .masses import held
 
 
@@ -68,25 +68,22 @@ def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
 
 
 def wanted_channels(
-    linkage: LinkageConstraints, wanted: AbstractSet[str], time: Samples, motion: Motions, active: Active
+    linkage: LinkageConstraints, time: Samples, motion: Motions, stroke_ends: Sequence[float], *, forces: bool
 ) -> dict[str, Samples]:
-    """The channels wanted, shape (n,), with a force among them all; `active`, (n, press forces), are those acting."""
+    """The channels, shape (n,), those of forces if wanted; `stroke_ends` are those of the press forces, m."""
     scene = linkage.scene
-    samples = {scene.drive_channel: linkage.drive_position(motion.q)}
+    values = [linkage.drive_position(motion.q)]
     for point in scene.moving_points:
-        names = [f"{point}.{order}{axis}" for order in ("", "v", "a") for axis in "xy"]
-        if not wanted.isdisjoint(names):
-            body = scene.owners[point][0]
-            _, *vectors = motion.of_point(linkage.index[body], linkage.arm(body, point))
-            parts = [part for vector in vectors for part in (vector.real, vector.imag)]
-            samples |= {name: part for name, part in zip(names, parts, strict=True) if name in wanted}
+        body = scene.owners[point][0]
+        _, *vectors = motion.of_point(linkage.index[body], linkage.arm(body, point))
+        values += [part for vector in vectors for part in (vector.real, vector.imag)]
     for name in scene.turning:
-        for quantity, values in zip(("angle", "omega", "alpha"), motion, strict=True):
-            if f"{name}.{quantity}" in wanted:
-                samples[f"{name}.{quantity}"] = values[:, linkage.index[name], 2]
-    if wanted.isdisjoint(force_channels(scene) + friction_channels(scene)):
+        values += [of[:, linkage.index[name], 2] for of in motion]
+    samples = dict(zip(kinematic_channels(scene)[1:], values, strict=True))
+    if not forces:
         return samples
-    found = reaction_channels(linkage, motion, applied(linkage, instants(linkage, time, *motion[:2]), active))
+    at = instants(linkage, time, motion.q, motion.v)
+    found = reaction_channels(linkage, motion, applied(linkage, at, active_presses(linkage, at, stroke_ends)))
     return samples | (with_friction(linkage, time, motion.q, found) if scene.friction else found)
 
 

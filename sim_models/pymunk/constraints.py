@@ -8,7 +8,6 @@ Each pin, each guide and the drive is a constraint C(q) = 0 with the Jacobian J 
 coordinates, so det J can change its sign only in a singular configuration, where assembly branches meet.
 """
 
-from collections.abc import Iterator
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,8 +23,6 @@ from .masses import Masses, constraint_groups
 PoseArray: TypeAlias = NDArray[np.float64]  # (n, bodies, 3), also of rates, accelerations, and the forces dual to them
 ComplexArray: TypeAlias = NDArray[np.complex128]
 PlaneVector: TypeAlias = Any  # a complex number, or an array of them of shape (n,)
-
-BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 class LinkageConstraints:
@@ -175,12 +172,6 @@ def solved(J: Samples, wanted: Samples) -> PoseArray:
         regular, x = determinant_sign(J) != 0, np.full((*wanted.shape, 1), np.nan)
         x[regular] = np.linalg.solve(J[regular], wanted[regular][..., None])
     return np.reshape(x, (len(J), -1, 3))
-
-
-def blocks(q: PoseArray) -> Iterator[slice]:
-    """Yield the rows of all poses in turn, of which the Jacobians fit in memory."""
-    rows = max(BLOCK // (3 * q.shape[1]) ** 2, 1)
-    yield from (slice(first, first + rows) for first in range(0, len(q), rows))
 
 
 def determinant_sign(jacobian: Samples) -> Samples:

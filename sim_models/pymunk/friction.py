@@ -15,10 +15,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.model.constraints import blocks
 from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import Friction, GuideFriction, PinFriction
 
-from .constraints import LinkageConstraints, PoseArray, blocks, determinant_sign, solved, with_ground
+from .constraints import LinkageConstraints, PoseArray, determinant_sign, solved, with_ground
 from .start import closed
 
 SMALLEST_STEP = 1e-7  # of the factor; what takes a smaller one jams

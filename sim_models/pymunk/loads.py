@@ -32,7 +32,6 @@ from .start import SCENES, DrivePlace, begun, move, rates, start, way
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
 HALF_TURN = pi + 1e-9  # rad: an angle so little beyond half a turn is half a turn, but for rounding
 
-Active: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
 Planes: TypeAlias = Any  # one number or array for each body and the ground
 # A body or the ground, the force, N, and the moment about its origin, N m.
 BodyForce: TypeAlias = tuple[str, PlaneVector, Any]
@@ -120,10 +119,10 @@ def _moment(r: PlaneVector, force: PlaneVector) -> Any:
     return (r.conjugate() * force).imag
 
 
-def applied(linkage: LinkageConstraints, at: Instant, active: Active) -> PoseArray:
-    """Sum up what acts on the bodies at n instants, shape (n, bodies, 3); `active` has shape (n, press forces)."""
+def applied(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np.bool_]]) -> PoseArray:
+    """Sum up what acts on the bodies at n instants, shape (n, bodies, 3); `active` as in `forces`."""
     total = np.zeros((len(at.time), len(linkage.members), 3))
-    for name, force, moment in forces(linkage, at, active.T):
+    for name, force, moment in forces(linkage, at, active):
         if name != GROUND:
             for axis, part in enumerate((force.real, force.imag, moment)):
                 total[:, linkage.index[name], axis] += part

@@ -4,7 +4,7 @@ pymunk closes open joints by itself, but on any branch nearby. Hence the sketch'
 in small steps, each corrected by Newton's method; no step may change the branch.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from itertools import product
 from math import radians, sqrt, tau
@@ -33,6 +33,7 @@ CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above
 SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
 DrivePlace: TypeAlias = tuple[float, PoseArray]  # a position of the drive, rad or m, and the pose there
+Gaps: TypeAlias = Samples | float  # what the constraints are to be, shape (3 bodies,)
 Shown: TypeAlias = Mapping[str, ComplexArray]  # by body the arms and places of its points in the sketch, (2, points)
 
 
@@ -140,12 +141,12 @@ def assembles(linkage: LinkageConstraints, q: PoseArray, positions: Samples) -> 
     ends = np.array(linkage.scene.drive.extent)  # rad or m, as the positions, shape (n,)
     nearest = np.abs(positions[:, None] - ends).argmin(axis=0)
     q, positions = np.concatenate([q, q[nearest]]), np.concatenate([positions, ends])
-    return _newton(linkage, q, positions, np.zeros(3 * q.shape[1])) is not None
+    return _newton(linkage, q, positions) is not None
 
 
 def closed(linkage: LinkageConstraints, q: PoseArray) -> PoseArray:
     """The poses near n poses that close all joints, the drive where it is; as they are if any has none."""
-    found = _newton(linkage, q, linkage.drive_position(q), np.zeros(3 * q.shape[1]))
+    found = _newton(linkage, q, linkage.drive_position(q))
     return q if found is None else found
 
 
@@ -154,12 +155,11 @@ def way(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) ->
     low, high = linkage.scene.drive.extent
     unit = 1.0 if linkage.scene.driven_slide is None else linkage.size
     step = min(LARGEST_TURN * unit, LARGEST_PART * max(high - low, abs(there - here)))
-    closed = np.zeros(q.size)
-    return _follow(linkage, q, lambda s: (here + s * (there - here), closed), step / max(abs(there - here), step))
+    return _follow(linkage, q, lambda s: (here + s * (there - here), 0.0), step / max(abs(there - here), step))
 
 
 def _follow(
-    linkage: LinkageConstraints, q: PoseArray, path: Callable[[float], tuple[float, Samples]], largest: float
+    linkage: LinkageConstraints, q: PoseArray, path: Callable[[float], tuple[float, Gaps]], largest: float
 ) -> Iterator[DrivePlace]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
     here = determinant_sign(linkage.jacobian(q))
@@ -179,31 +179,24 @@ def _follow(
             raise _stuck(linkage, q, position, gaps, path(min(1.0, s + largest))[0])
 
 
-def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Samples, ahead: float) -> Failure:
+def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Gaps, ahead: float) -> Failure:
     """Tell why there is no next place: none exists, or two are too close together; `ahead` is a step further."""
-    where = linkage.scene.where(position)
+    scene, where = linkage.scene, linkage.scene.where(position)
     if _newton(linkage, q, np.array([position]), gaps, PATIENT_NEWTON_STEPS) is None:
-        open_by = _misfit(linkage, q, np.linspace(position, ahead, TRIALS)[1:])
+        units, joints = np.tile([linkage.size, linkage.size, 1.0], q.shape[1]), joint_rows(scene.pins, scene.slides)
+        open_by = misfit(
+            scene,
+            np.linspace(position, ahead, TRIALS)[1:],
+            lambda position, at: linkage.gaps(at.reshape(q.shape), np.array([position]))[0],
+            lambda at: linkage.jacobian(at.reshape(q.shape))[0],
+            *(q.ravel(), units, joints, linkage.size),
+        )
         return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}{open_by}")
     return Failure(Status.not_converged, f"two ways to put the bodies together are too close to distinguish at {where}")
 
 
-def _misfit(linkage: LinkageConstraints, q: PoseArray, positions: Iterable[float]) -> str:
-    """Name the joint that stays open when all others close, near q at the first position where one does."""
-    joints = joint_rows(linkage.scene.pins, linkage.slides)
-    units = np.tile([linkage.size, linkage.size, 1.0], q.shape[1])
-
-    def jacobian(at: Samples) -> Samples:
-        return np.asarray(linkage.jacobian(at.reshape(q.shape))[0])
-
-    def gaps(position: float, at: Samples) -> Samples:
-        return np.asarray(linkage.gaps(at.reshape(q.shape), np.array([position]))[0])
-
-    return misfit(linkage.scene, positions, gaps, jacobian, q.ravel(), units, joints, linkage.size)
-
-
 def _newton(
-    linkage: LinkageConstraints, q: PoseArray, positions: Samples, gaps: Samples, steps: int = NEWTON_STEPS
+    linkage: LinkageConstraints, q: PoseArray, positions: Samples, gaps: Gaps = 0.0, steps: int = NEWTON_STEPS
 ) -> PoseArray | None:
     """The solutions of C(q) = gaps near n poses q, shape (n, bodies, 3), or None if any has none."""
     for _ in range(steps):

@@ -1,7 +1,6 @@
 """What both routes share, the system at its start and its channels; and the pointwise route."""
 
 from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
 
 import numpy as np
 
@@ -49,14 +48,16 @@ class ExudynSimulation:
         """Find the samples, and the channels from them."""
         self.poses.budget = ProcessorBudget(SECONDS * self.sampling.turns, "the solution")
         self._q, v, *others = self._solved()
-        wanted = set(self.sampling.wanted(self.scene))
-        samples = channels.kinematics(self.system, wanted, self._q, v, *others[:1])
+        every = channels.kinematics(self.system, self._q, v, *others[:1])
         if len(others) > 1:
-            samples |= self._forces(others[1], wanted)
+            every |= self._forces(others[1])
+        wanted = set(self.sampling.wanted(self.scene))
+        # None of them a part of a larger array, which would stay in memory.
+        samples = {name: np.ascontiguousarray(values) for name, values in every.items() if name in wanted}
         self._motion = Motion({"time": self.times} | samples)
 
-    def _forces(self, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
-        """The force channels; that friction jams is told later, after what makes it doubtful."""
+    def _forces(self, multipliers: Array) -> dict[str, Array]:
+        """The channels of friction and forces; that friction jams is told later, after what makes it doubtful."""
         resisting: Mapping[str, Array] = {}
         if self.scene.friction:
             rates = self.scene.drive.at(self.times).rate
@@ -64,7 +65,7 @@ class ExudynSimulation:
                 multipliers, resisting = JointFriction(self.poses).act(self._q, multipliers, self.positions, rates)
             except Failure as jam:
                 self._jam = jam
-        return channels.forces(self.system, multipliers, wanted, resisting)
+        return {**resisting, **channels.forces(self.system, multipliers)}
 
     def read(self) -> Motion:
         """The channels, unless a spring has no direction at an instant, which Exudyn takes for no force."""

@@ -14,10 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenes import Failure, Request, Scene, Status
+from scenes.laws import Piece
+from scenes.model.constraints import blocks
 
 from ..ablations import ReducedSystem, SpatialSystem, add_extras
-from ..drive import ExudynDrive, Part, pieces
-from ..equations import blocks
+from ..drive import ExudynDrive, pieces
 from ..loads import add_loads
 from ..poses import Configuration
 from ..settings import ExudynExtra, JacobianUse, TextbookTimeStepping, TimeStepping
@@ -36,7 +37,7 @@ SAME_INSTANT = 1e-9  # of the time between samples: one on a knot begins a piece
 class Stretch(NamedTuple):
     """The samples that one integration gives: those of a piece of the drive, or of all pieces."""
 
-    pieces: Sequence[Part]
+    pieces: Sequence[Piece]
     rows: slice  # of the samples
     stride: int  # steps from sample to sample
     zero: float  # s, when it begins
@@ -74,7 +75,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         firsts = self.poses.through(self._at_start, self.positions[[rows.start for _, rows in spans]])
         return [self._pre_rolled(firsts.rows(n), part, rows, stride) for n, (part, rows) in enumerate(spans)]
 
-    def _pre_rolled(self, first: Configuration, part: Part, rows: slice, stride: int) -> Stretch:
+    def _pre_rolled(self, first: Configuration, part: Piece, rows: slice, stride: int) -> Stretch:
         """Let the integration of a piece begin before its first sample, given the state there.
 
         Before its start, a drive that does not repeat is outside the scene's range. Where the linkage is singular
@@ -92,7 +93,7 @@ class TimeSteppedSimulation(ExudynSimulation):
             stride *= 2
         raise Failure(Status.unsupported, f"time steps have to begin a little before the start, but there {reason}")
 
-    def _before(self, first: Configuration, part: Part, way: Array) -> Configuration:
+    def _before(self, first: Configuration, part: Piece, way: Array) -> Configuration:
         """Follow the state to the last of some instants, s, that lead there."""
         positions, poses = [float(part.at(time)[0]) for time in way.tolist()], self.poses
         farthest = max(positions, key=lambda position: abs(position - first.position))

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
+from scenes.model.constraints import blocks
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
-from ..constraints import LinkageConstraints, PoseArray, blocks
+from ..constraints import LinkageConstraints, PoseArray
 from ..friction import with_friction
-from ..loads import active_presses, applied, instants, stroke_ends
+from ..loads import applied, instants, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
@@ -75,10 +76,8 @@ class PymunkSimulation:
             motion = Motions(*(_richardson(values) for values in zip(*runs, strict=True)))
             if not isinstance(self._scene.drive, ConstantSpeed):
                 motion = with_rates_of_law(self._linkage, self._times, motion)
-            self._q, wanted = motion.q, frozenset(self._sampling.wanted(self._scene))
-            at = instants(self._linkage, self._times, motion.q, motion.v)
-            active = np.array(active_presses(self._linkage, at, self._stroke_ends), np.bool_).reshape(-1, len(motion.q))
-            self._channels = wanted_channels(self._linkage, wanted, self._times, motion, active.T)
+            self._q, forces = motion.q, self._sampling.wants_forces(self._scene)
+            self._channels = wanted_channels(self._linkage, self._times, motion, self._stroke_ends, forces=forces)
             if self._scene.drive_on != GROUND:  # that of the runs: it need not be linear in the coordinates
                 position = _richardson([self._linkage.drive_position(run.q) for run in runs])
                 self._channels = {**self._channels, self._scene.drive_channel: position}
@@ -163,20 +162,18 @@ def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples,
         C = np.abs(linkage.gaps(q, positions[rows]))
         C[:, 2 * len(scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end
         branches[rows], drift[rows], gap[rows] = linkage.branch(q), C[:, -1], C[:, :-1].max(axis=1)
-    driven = linkage.members[scene.drive.body]
     if scene.driven_slide is None:
-        gap /= max(map(abs, driven.points.values())) or linkage.size  # it may have its pivot alone
-        opening = f"a joint opens by over {LARGEST_GAP:.0%} of the crank's radius"
+        radius = max(map(abs, linkage.members[scene.drive.body].points.values()))
+        gap, most = gap / (radius or linkage.size), "the crank's radius"  # it may have its pivot alone
     else:
-        low, high = scene.drive.extent
-        drift /= high - low
-        gap /= (high - low) / 2
-        opening = f"a joint opens by over {LARGEST_GAP:.0%} of half the drive's travel"
+        travel = np.ptp(scene.drive.extent)
+        drift, gap, most = drift / travel, gap / (travel / 2), "half the drive's travel"
 
     _require(scene, branches == start, positions, Status.wrong_branch, "the linkage flips to another branch")
     if linkage.moved[scene.drive.body].prescribed or scene.drive_on != GROUND:
         drifting = f"'{scene.drive.body}' is not where the drive takes it"
         _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
+    opening = f"a joint opens by over {LARGEST_GAP:.0%} of {most}"
     _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, opening)
     return {"drive": float(drift.max()), "joint_gap": float(gap.max())}
 

@@ -14,7 +14,7 @@ from ..bodies import pair
 from ..channels import Motions
 from ..constraints import PoseArray
 from ..drives import aim
-from ..loads import Active, AppliedForces
+from ..loads import AppliedForces
 from ..masses import Masses, loaded, masses_of, own_masses
 from ..settings import ERROR_BIAS, PymunkSettings, TextbookSettings
 from ..space import BatchRecorder, Model, PropertyRecorder
@@ -46,7 +46,7 @@ class Integration:
 
     Filled by `advance`: row k + 1 of `record`, shape (steps + 2, bodies, 6), holds the pose p_k and the rates v_k, so
     row 0 is one step before t = 0. Where forces act, `impulses`, shape (n, joints), N s, are the engine's own at the n
-    samples, and `active`, shape (n, press forces), those that acted. `positions`, shape (steps + 1,), are the drive's.
+    samples, and `active`, shape (press forces, n), those that acted. `positions`, shape (steps + 1,), are the drive's.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Integration:
         self.record = self._record[1:]
         self.impulses = np.empty((count // stride + 1, len(self.joints)))
         presses = sum(isinstance(load, PressForce) for load in scene.loads)
-        self.active: Active = np.zeros((count // stride + 1, presses), dtype=np.bool_)
+        self.active = np.zeros((presses, count // stride + 1), dtype=np.bool_)
 
     def model(self, pose: PoseArray, rate: PoseArray) -> Model:
         """A space of the run's, at a pose with some rates, each of shape (1, bodies, 3), to begin with more sweeps."""
@@ -109,7 +109,7 @@ class Integration:
                 space.iterations = self._settings.iterations
             if forces and k >= 0 and k % steps.stride == 0:
                 self.impulses[k // steps.stride] = [joint.impulse for joint in joints]
-                self.active[k // steps.stride] = forces.active
+                self.active[:, k // steps.stride] = forces.active
         self._record[:] = recorder.rows()[steps.pre_roll - 2 :]
 
     @property
