@@ -178,5 +178,5 @@ def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Fai
 
 def case_row(case: Case, status: str, reason: str, found_by: str, outcome: Outcome) -> Row:
     """A row without figures."""
-    of = {"ladder": case.ladder, "rung": case.rung, "engine": case.engine, "setting": "", "condition": float("nan")}
+    of = {**case._asdict(), "setting": "", "condition": float("nan")}
     return of | {"status": status, "outcome": str(outcome), "found_by": found_by, "reason": reason}

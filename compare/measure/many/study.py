@@ -29,8 +29,7 @@ from ...mechanics.reference import Reference
 from .family import balanced
 from .machines import as_drawn, draws, gradients, machines
 
-BLOCK = 2048  # machines that a process is asked for at a time
-AT_ONCE = 256  # that are solved in the same arrays: these stay in the processor's cache
+BLOCK = 256  # machines that a process is asked for at a time, in the same arrays: these stay in the processor's cache
 SECONDS = 1800.0  # for a block: slow linkages take 0.1 s a machine
 QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
 ROUNDING = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
@@ -211,14 +210,14 @@ def begun(
 
 def solved(study: MonteCarlo) -> Iterator[Block]:
     """Yield the machines in blocks, as they come from the processes that solve them."""
-    firsts = [range(first, min(first + BLOCK, study.asked)) for first in range(0, study.asked, BLOCK)]
+    parts = [range(study.asked)[first : first + BLOCK] for first in range(0, study.asked, BLOCK)]
     solve = partial(_block, study.judged.reference, len(study.numbers), study.seed)
     if current_process().daemon:  # which may have no processes of its own
-        yield from map(solve, firsts)
+        yield from map(solve, parts)
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    limits = Limits(SECONDS, workers=min(cores, len(firsts)))
-    for own, outcome in isolated(solve, firsts, limits, lambda: None):
+    limits = Limits(SECONDS, workers=min(cores, len(parts)))
+    for own, outcome in isolated(solve, parts, limits, lambda: None):
         if isinstance(outcome, Ended):
             lost = [(machine, outcome.status.name, outcome.reason) for machine in own]
             outcome = Block(own.start, np.full((len(own), len(study.numbers)), np.nan), lost)
@@ -226,14 +225,11 @@ def solved(study: MonteCarlo) -> Iterator[Block]:
 
 
 def _block(reference: Reference, count: int, seed: int, own: range) -> Block:
-    """Draw and solve some machines, few at a time, and keep nothing but their `count` numbers."""
-    changes = draws(reference.scene, seed, own.start, len(own))
-    values, failed, met = np.full((len(own), count), np.nan), [], 0
-    for first in range(0, len(own), AT_ONCE):
-        some = machines(reference, {path: v[first : first + AT_ONCE] for path, v in changes.items()})
-        if some.numbers:
-            values[first + some.running] = np.transpose([number.value for number in some.numbers])
-        met += int(np.sum(some.met))
-        ended = enumerate(zip(some.status, some.reason, strict=True), own.start + first)
-        failed += [(n, status.name, reason) for n, (status, reason) in ended if status is not Status.ok]
-    return Block(own.start, values, failed, met)
+    """Draw and solve some machines, and keep nothing but their `count` numbers."""
+    some = machines(reference, draws(reference.scene, seed, own.start, len(own)))
+    values = np.full((len(own), count), np.nan)
+    if some.numbers:
+        values[some.running] = np.transpose([number.value for number in some.numbers])
+    ended = enumerate(zip(some.status, some.reason, strict=True), own.start)
+    failed = [(n, status.name, reason) for n, (status, reason) in ended if status is not Status.ok]
+    return Block(own.start, values, failed, int(np.sum(some.met)))
