@@ -17,6 +17,7 @@ from scenes.scene import GROUND, Body
 
 from .bodies import inertia
 from .motion_vectors import MotionVectors, Vectors, press_forces
+from .turns import twist
 
 Element: TypeAlias = Load | Spring | TorsionSpring | Friction
 
@@ -98,7 +99,7 @@ def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring, name: str) -
     for body, sign in ((spring.first, -1), (spring.second, 1)):
         if body == name:
             rate = state.turning(spring.second)[1] - state.turning(spring.first)[1]
-            on_second = spring.moment(state.twist(spring), rate)
+            on_second = spring.moment(twist(state, spring), rate)
             yield _turning(state, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
 
 

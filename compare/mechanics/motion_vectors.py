@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Body, PressForce, TorsionSpring
+from scenes.scene import GROUND, Body, PressForce
 
 from .bodies import first_point, plane
-from .turns import on_its_turn
 
 Vectors = NDArray[np.complex128]
 Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
@@ -97,11 +96,6 @@ class MotionVectors:
         assert body.slide is not None
         z, v, _ = self.point(body.points[0])
         return ((v - self.carried(body.slide.on, z)) * self.along(body).conj()).real
-
-    def twist(self, spring: TorsionSpring) -> Samples:
-        """The angle of a torsion spring, which goes on over whole turns."""
-        within = self.angle(spring.second) - self.angle(spring.first)
-        return on_its_turn(self.scene, spring, within, self.motion[self.scene.drive_channel])
 
     def displacement(self, body: Body) -> tuple[Samples, Samples]:
         """The displacement of a slider, m, and its rate, m/s."""
