@@ -82,7 +82,7 @@ class Mechanics:
         signs = np.random.default_rng(SEED).choice((-1.0, 1.0), (DRAWS, len(lengths)))
         jittered = np.array([*lengths.values()]) * (1 + ULPS * np.finfo(float).eps * signs)
         try:
-            others = (put(self.scene, dict(zip(lengths, values, strict=True))) for values in jittered.tolist())
+            others = (put(self.scene, dict(zip(lengths, values, strict=True))) for values in jittered)
             return tuple(registry.reference(other, frozenset(self.units)) for other in others)
         except Failure:
             return ()
