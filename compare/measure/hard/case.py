@@ -68,8 +68,7 @@ def hard_cases(
     leaves what is done, there and in what is returned. Where nothing can be kept there, that is noted.
     """
     limits = Limits()
-    rungs = [(name, rung.label) for name in ladders for rung in hard.ladder(name).rungs]
-    wanted = [Case(*rung, engine) for rung in rungs for engine in engines]
+    wanted = [Case(name, rung.label, one) for name in ladders for rung in hard.ladder(name).rungs for one in engines]
     kept = Kept(folder / PARTIAL, limits)
     rows = dict(kept.read())
     left = [case for case in wanted if str(case) not in rows]
