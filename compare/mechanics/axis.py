@@ -32,9 +32,7 @@ def axis(scene: Scene) -> DriveAxis:
     if not isinstance(scene.drive, ConstantSpeed):
         factor, unit = prefixed(scene.drive.cycle, "s")
         return DriveAxis("time", unit, "time", factor)
-    if scene.driven_slide is None:
-        return DriveAxis(position_name(scene), "deg", scene.drive_channel, 180 / pi)
-    unit, size = scene.units["length"]
+    unit, size = ("deg", pi / 180) if scene.driven_slide is None else scene.units["length"]
     return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size)
 
 

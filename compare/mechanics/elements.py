@@ -17,6 +17,7 @@ from scenes.scene import GROUND, Body
 
 from .bodies import inertia
 from .motion_vectors import MotionVectors, Vectors, press_forces
+from .turns import twist
 
 Element: TypeAlias = Load | Spring | TorsionSpring | Friction
 
@@ -98,7 +99,7 @@ def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring, name: str) -
     for body, sign in ((spring.first, -1), (spring.second, 1)):
         if body == name:
             rate = state.turning(spring.second)[1] - state.turning(spring.first)[1]
-            on_second = spring.moment(state.twist(spring), rate)
+            on_second = spring.moment(twist(state, spring), rate)
             yield _turning(state, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
 
 
@@ -182,12 +183,10 @@ def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:
     for name, slide in scene.slides.items():
         force = motion[f"{name}.guide_force"] * 1j * state.along(scene.bodies[name])
         act(name, slide.on, scene.bodies[name].points[0], force, motion[f"{name}.guide_moment"])
-    driven = scene.bodies[scene.drive.body]
-    if driven.slide is not None:
-        act(driven.name, scene.drive_on, driven.points[0], motion["drive.force"] * state.along(driven))
-    else:
-        for on, sign in ((driven.name, 1), (scene.drive_on, -1)):
-            couples[on] = couples[on] + sign * motion["drive.torque"]
+    driven, effort = scene.bodies[scene.drive.body], motion[scene.effort_channel]
+    push: Vectors = np.zeros(effort.shape, np.complex128) if driven.slide is None else effort * state.along(driven)
+    torque = effort if driven.slide is None else 0.0
+    act(driven.name, scene.drive_on, driven.points[0], push, torque)
     moving = {}
     for name, body in scene.bodies.items():
         own = [*applied(state, body)]
@@ -201,6 +200,5 @@ def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:
 def drive_power(state: MotionVectors) -> Samples:
     """The power of the drive, W: its torque or force by the rate of its body against that on which it stands."""
     body, on = state.scene.bodies[state.scene.drive.body], state.scene.drive_on
-    if body.slide is None:
-        return state.motion["drive.torque"] * (state.turning(body.name)[1] - state.turning(on)[1])
-    return state.motion["drive.force"] * state.sliding(body)
+    rate = state.turning(body.name)[1] - state.turning(on)[1] if body.slide is None else state.sliding(body)
+    return state.motion[state.scene.effort_channel] * rate

@@ -78,14 +78,11 @@ class Mechanics:
     @cached_property
     def neighbours(self) -> tuple[registry.Solve, ...]:
         """Solvers of the scene with its lengths and places a few last places off; none where one cannot be solved."""
-        draw, off = np.random.default_rng(SEED), ULPS * np.finfo(float).eps
-        lengths = [one for one in inputs(self.scene) if one.quantity.dimension == "length"]
-
-        def jittered(value: float) -> float:
-            return value * (1 + off * float(draw.choice((-1.0, 1.0))))
-
+        lengths = {one.at: one.value for one in inputs(self.scene) if one.quantity.dimension == "length"}
+        signs = np.random.default_rng(SEED).choice((-1.0, 1.0), (DRAWS, len(lengths)))
+        jittered = np.array([*lengths.values()]) * (1 + ULPS * np.finfo(float).eps * signs)
         try:
-            others = [put(self.scene, {one.at: jittered(one.value) for one in lengths}) for _ in range(DRAWS)]
+            others = (put(self.scene, dict(zip(lengths, values, strict=True))) for values in jittered)
             return tuple(registry.reference(other, frozenset(self.units)) for other in others)
         except Failure:
             return ()

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Body, PressForce, TorsionSpring
+from scenes.scene import GROUND, Body, PressForce
 
 from .bodies import first_point, plane
-from .turns import on_its_turn
 
 Vectors = NDArray[np.complex128]
 Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
@@ -98,21 +97,15 @@ class MotionVectors:
         z, v, _ = self.point(body.points[0])
         return ((v - self.carried(body.slide.on, z)) * self.along(body).conj()).real
 
-    def twist(self, spring: TorsionSpring) -> Samples:
-        """The angle of a torsion spring, which goes on over whole turns."""
-        within = self.angle(spring.second) - self.angle(spring.first)
-        return on_its_turn(self.scene, spring, within, self.motion[self.scene.drive_channel])
-
-    def displacement(self, body: Body) -> tuple[Samples, Samples, Samples]:
-        """The displacement of a body that slides on the ground, and its first two derivatives by the time."""
-        assert body.slide is not None
-        along, through = complex(*body.slide.along), complex(*body.slide.through)
-        z, v, a = self.point(body.points[0])
-        return ((z - through) * along.conjugate()).real, (v * along.conjugate()).real, (a * along.conjugate()).real
+    def displacement(self, body: Body) -> tuple[Samples, Samples]:
+        """The displacement of a slider, m, and its rate, m/s."""
+        return self.on_guide(body).real, self.sliding(body)
 
     def stroke_end(self, load: PressForce) -> float:
         """Where the closing stroke ends, m: a sample, or a dead point between two, for which a cycle is needed."""
-        x, v, a = (load.closing * samples for samples in self.displacement(self.scene.bodies[load.body]))
+        body = self.scene.bodies[load.body]
+        second = (self.place(body.points[0], "a") * self.along(body).conj()).real  # on the ground
+        x, v, a = (load.closing * samples for samples in (*self.displacement(body), second))
         h = np.diff(self.motion["time"])
         turns = np.flatnonzero((v[:-1] > 0) & (v[1:] < 0))
         inside = [_peak(quintic(h[k], *(of[k : k + 2] for of in (x, v, a)))) for k in turns]
@@ -125,13 +118,13 @@ class MotionVectors:
     def pressed(self, ends: Sequence[float]) -> Self:
         """The same with the press forces acting as it shows, whose strokes end at `ends`, m."""
         presses = zip(press_forces(self.scene), ends, strict=True)
-        acting = [load.acts(*self.displacement(self.scene.bodies[load.body])[:2], end) for load, end in presses]
+        acting = [load.acts(*self.displacement(self.scene.bodies[load.body]), end) for load, end in presses]
         return replace(self, acting=acting)
 
     def acts(self, ends: Sequence[float]) -> Iterator[Acts]:
         """Yield whether press forces, whose strokes end at `ends`, m, act a hair less and more far and fast, (4, n)."""
         for load, end in zip(press_forces(self.scene), ends, strict=True):
-            x, v, _ = self.displacement(self.scene.bodies[load.body])
+            x, v = self.displacement(self.scene.bodies[load.body])
             dx = HAIR * np.ptp(x)
             dv = np.where(np.abs(end - x) <= dx, TURNING, HAIR) * np.abs(v).max()
             yield np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)])

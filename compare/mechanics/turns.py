@@ -1,6 +1,5 @@
 """How often springs that twist have turned: whole turns of their angle count, and no pose shows them."""
 
-from dataclasses import replace
 from functools import lru_cache
 from math import ceil, pi
 
@@ -11,13 +10,16 @@ from scenes.model.motion import Samples
 from scenes.scene import TorsionSpring
 
 from ..engines import registry
+from .motion_vectors import MotionVectors
 
 STEPS = 3600  # of a cycle: from one to the next no angle comes near to half a turn
 HAIR = 1e-9  # rad: what rounding makes of half a turn, which counts as that, not as its opposite
 
 
-def on_its_turn(scene: Scene, spring: TorsionSpring, within: Samples, position: Samples) -> Samples:
-    """The angles, known modulo a turn, on their turns, by positions of the drive; all of shape (n,)."""
+def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
+    """The angle of a torsion spring over a motion, rad, shape (n,), which goes on over whole turns."""
+    scene, position = state.scene, state.motion[state.scene.drive_channel]
+    within = state.angle(spring.second) - state.angle(spring.first)
     if sign := spring.drives(scene):
         near = sign * position
     else:
@@ -36,8 +38,7 @@ def on_its_turn(scene: Scene, spring: TorsionSpring, within: Samples, position: 
 def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     """Positions of the drive over one cycle, increasing, and the angles there, from - pi to pi at time zero."""
     places, signs = np.linspace(*scene.drive.extent, STEPS + 1), {spring.second: 1, spring.first: -1}
-    unloaded = replace(scene, loads=(), springs=(), torsion_springs=())
-    solve = registry.reference(unloaded, frozenset(f"{name}.angle" for name in signs if name in scene.turning))
+    solve = registry.reference(scene, frozenset(f"{name}.angle" for name in signs if name in scene.turning))
     motion = solve(places, np.zeros_like(places))
     turning = (signs[name] * motion[f"{name}.angle"] for name in signs if name in scene.turning)
     angles = np.unwrap(sum(turning, np.zeros_like(places)))

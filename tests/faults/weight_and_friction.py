@@ -74,7 +74,7 @@ def friction(clean: Clean) -> Iterator[Fault]:
         yield of_drive("viscous friction in the drive", by, "drive", by * peak * rate / scene.drive.peak_rate)
         yield of_drive("dry friction in the drive", by, "drive", by * peak * np.sign(rate))
         for name in clean.some(grounded, f"viscous {by}") if turns_on else ():
-            _, v, _ = clean.state.displacement(scene.bodies[name])
+            _, v = clean.state.displacement(scene.bodies[name])
             size = by * float(np.abs(motion[f"{name}.guide_force"]).max())
             drag = size * np.abs(v) / np.abs(v).max()
             yield of_drive("viscous friction at a guide, by the drive alone", by, name, drag * np.abs(v) / rate)

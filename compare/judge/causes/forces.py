@@ -178,7 +178,7 @@ def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
 def _switches(carried: Carried) -> Iterator[Hypothesis]:
     """Press forces that act where they should not, or do not act where they should."""
     for load, end in zip(press_forces(carried.scene), carried.evidence.reference.stroke_ends, strict=True):
-        x, v, _ = carried.displacement(carried.scene.bodies[load.body])
+        x, v = carried.displacement(carried.scene.bodies[load.body])
         before_end, closing = (end - x) * load.closing, v * load.closing > 0
         limits = np.unique(before_end[closing])
         lasts = ((limits[1:] + limits[:-1]) / 2).tolist()

@@ -68,8 +68,7 @@ def hard_cases(
     leaves what is done, there and in what is returned. Where nothing can be kept there, that is noted.
     """
     limits = Limits()
-    rungs = [(name, rung.label) for name in ladders for rung in hard.ladder(name).rungs]
-    wanted = [Case(*rung, engine) for rung in rungs for engine in engines]
+    wanted = [Case(name, rung.label, one) for name in ladders for rung in hard.ladder(name).rungs for one in engines]
     kept = Kept(folder / PARTIAL, limits)
     rows = dict(kept.read())
     left = [case for case in wanted if str(case) not in rows]
@@ -178,5 +177,5 @@ def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Fai
 
 def case_row(case: Case, status: str, reason: str, found_by: str, outcome: Outcome) -> Row:
     """A row without figures."""
-    of = {"ladder": case.ladder, "rung": case.rung, "engine": case.engine, "setting": "", "condition": float("nan")}
+    of = {**case._asdict(), "setting": "", "condition": float("nan")}
     return of | {"status": status, "outcome": str(outcome), "found_by": found_by, "reason": reason}

@@ -18,7 +18,7 @@ How both go with kappa, the condition of the position's Jacobian J alone, is in 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import groupby
-from math import log10
+from math import inf, log10
 
 import numpy as np
 import pandas as pd
@@ -30,18 +30,16 @@ from scenes.scene import ConstantSpeed
 
 from ...engines import registry
 from ...engines.runner import run
-from ...mechanics.mechanics import SHOWN_GROUPS, Mechanics, inputs
+from ...judge.peaks.peaks import peaks
+from ...mechanics.mechanics import SHOWN_GROUPS, inputs
 from ...mechanics.reference import Reference, on_switch
 from ...mechanics.scales import magnitude, relative_errors
 
 EPS = float(np.finfo(float).eps)
 STEP = 2.0**-40  # 1e-12, of an input: the changes keep four digits as doubles, and are small down to 1e-10 from lock
-ZERO = 1e-20  # of a natural size: what 50 digits leave of a channel that is zero by symmetry
+ZERO = 1e-20  # of what its errors are divided by: what 50 digits leave of a channel that is zero by symmetry
 EQUALLY = 12  # positions over a cycle, besides those about the nearest lock
 AROUND = np.geomspace(1e-6, 3e-2, 8)  # of a cycle: on either side of it, on the scale of any distance from 1e-11
-GRID = 3600  # over a cycle, where the search for it begins
-ZOOM = 32  # per round of the search
-ROUNDS = 5  # to 1e-11 of a cycle; a distance to lock is least there, and flat
 
 
 def digits_lost(reference: Reference) -> pd.DataFrame:
@@ -51,17 +49,18 @@ def digits_lost(reference: Reference) -> pd.DataFrame:
     the switches of press forces, where forces jump and have no condition, are left out. Failure where one of the two
     models does not solve the scene.
     """
-    scene, mechanics, to_lock = reference.scene, reference.mechanics, np.inf
+    scene, mechanics, to_lock = reference.scene, reference.mechanics, inf
     request: Request = Sampling(EQUALLY)
     if isinstance(scene.drive, ConstantSpeed):
-        nearest, to_lock = nearest_lock(scene, reference.at)
+        nearest, to_lock = nearest_lock(reference)
         request = Positions(tuple(positions(scene, nearest).tolist()))
     true = _certified(scene, request)
-    decided, peaks = np.ones(true["time"].shape, bool), _peaks(mechanics, true)
+    decided, peak = np.ones(true["time"].shape, bool), {c: float(magnitude(true, c).max()) for c in mechanics.units}
+    size = {c: value if value > ZERO * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
     decided[on_switch(reference.acts(true))] = False
     motion = reference.at(true[scene.drive_channel], true["time"])
-    errors = {c: np.where(decided, error, -1.0) for c, error in relative_errors(motion, true, peaks).items()}
-    changes = _changes(scene, request, true, peaks)
+    errors = {c: np.where(decided, error, -1.0) for c, error in relative_errors(motion, true, size).items()}
+    changes = _changes(scene, request, true, size)
     known = {"to_lock": to_lock, "kappa": float(mechanics.constraints.condition(true).max())}
     table = []
     for group in SHOWN_GROUPS:
@@ -76,21 +75,14 @@ def digits_lost(reference: Reference) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def nearest_lock(scene: Scene, solve: registry.Solve) -> tuple[float, float]:
+def nearest_lock(reference: Reference) -> tuple[float, float]:
     """The drive's position, rad or m, with a group nearest to a lock at a length, and how near, m; inf without one."""
-    least, most = scene.drive.extent
-    way = np.linspace(least, most, GRID)
-    nearest, left = least, np.inf
-    for round_ in range(ROUNDS):
-        motion = solve(way, np.zeros(way.shape))
-        distances = [motion[channel] for channel in motion.samples if quantity(channel) == "to_lock"]
-        if not distances:
-            break
-        distance = np.min(distances, axis=0)
-        nearest, left = float(way[distance.argmin()]), float(distance.min())
-        half = (most - least) / GRID / ZOOM**round_
-        way = np.clip(np.linspace(nearest - half, nearest + half, 2 * ZOOM + 1), least, most)
-    return nearest, left
+    of_lock = (peak.position for peak in peaks(reference, Sampling(EQUALLY), []) if quantity(peak.channel) == "to_lock")
+    nearest = next(of_lock, reference.scene.drive.extent[0])
+    there = reference.at(np.array([nearest]), np.zeros(1)).samples.items()
+    return nearest, min(
+        (float(samples[0]) for channel, samples in there if quantity(channel) == "to_lock"), default=inf
+    )
 
 
 def positions(scene: Scene, about: float) -> Samples:
@@ -112,26 +104,15 @@ def _certified(scene: Scene, request: Request) -> Motion:
     return done.motion
 
 
-def _peaks(mechanics: Mechanics, motion: Motion) -> dict[str, float]:
-    """By channel the largest magnitude, that of its vector for x and y; of one that is zero a natural size."""
-    peak, rate = {channel: float(magnitude(motion, channel).max()) for channel in mechanics.units}, mechanics.rate
-    length = max((peak[channel] for channel in peak if quantity(channel) == "x"), default=0.0)
-    force = max((peak[channel] for channel, unit in mechanics.units.items() if unit == "N"), default=0.0)
-    natural = {"rad": 1.0, "rad/s": rate, "rad/s^2": rate**2, "N": force, "N*m": force * length}
-    natural |= {"m": length, "m/s": length * rate, "m/s^2": length * rate**2, "s": mechanics.scene.drive.cycle}
-    sizes = {channel: natural[unit] for channel, unit in mechanics.units.items()}
-    return {c: value if value > ZERO * sizes[c] else sizes[c] or 1.0 for c, value in peak.items()}
-
-
-def _changes(scene: Scene, request: Request, true: Motion, peaks: Mapping[str, float]) -> dict[str, Samples]:
+def _changes(scene: Scene, request: Request, true: Motion, size: Mapping[str, float]) -> dict[str, Samples]:
     """The sum of (1) by channel, shape (n,)."""
     problems = [(other, request) for other in inputs_off(scene)]
     if isinstance(request, Positions):  # the drive off everywhere: of 1 rad for a crank, however many turns it counts
         step = STEP * (1.0 if scene.driven_slide is None else float(np.abs(scene.drive.extent).max()))
         problems.append((scene, replace(request, positions=tuple(x + step for x in request.positions))))
-    total = {channel: np.zeros(true["time"].shape) for channel in peaks if channel != "time"}
+    total = {channel: np.zeros(true["time"].shape) for channel in size if channel != "time"}
     for problem in problems:
-        for channel, change in relative_errors(_certified(*problem), true, peaks).items():
+        for channel, change in relative_errors(_certified(*problem), true, size).items():
             total[channel] += change / STEP
     return total
 

@@ -45,6 +45,7 @@ TURNS = (1, 3, 10, 30, 100)
 Variants: TypeAlias = Sequence[tuple[str, Scene]]
 Cell: TypeAlias = dict[str, object]
 Counts: TypeAlias = Sequence[int]
+Place: TypeAlias = tuple[str, str, str, int]  # the map, the engine, the number that it stands at across, and the steps
 
 
 def stability_table(scene: Scene, engines: Iterable[str], to_lock: Variants, progress: Progress) -> pd.DataFrame:
@@ -141,13 +142,7 @@ def _at_steps(engine: str, *numbers: int) -> Settings | str:
 
 
 def _cell(
-    place: tuple[str, str, str, int],  # the map, the engine, the number that it stands at across, and the steps
-    reference: Reference | Scene,
-    runs: Runs,
-    *,
-    sweeps: tuple[int, ...] = (),
-    turns: int = 1,
-    fault: str = "",
+    place: Place, reference: Reference | Scene, runs: Runs, *, sweeps: Counts = (), turns: int = 1, fault: str = ""
 ) -> Cell:
     """Run one cell; with a scene for reference there are no errors, and after a fault of the engine there is no run."""
     kind, engine, label, steps = place

@@ -42,13 +42,6 @@ class Cycle:
 
     position: Samples  # on the axis of the curves, SI: of the drive, or the time under a law
     curves: Mapping[str, Samples]  # of the output and the drive, by name, SI, each of shape (n,)
-    peaks: Sequence[Peak]
-
-    @property
-    def numbers(self) -> dict[str, Peak]:
-        """The numbers by kind; of those of joints the largest."""
-        kinds = dict.fromkeys(peak.kind for peak in self.peaks)
-        return {kind: max((p for p in self.peaks if p.kind == kind), key=lambda p: p.value) for kind in kinds}
 
 
 @dataclass(frozen=True)
@@ -65,6 +58,12 @@ class Member:
     def measurements(self) -> Sequence[Measurement]:
         """Its engines' runs, in the order asked for."""
         return self.judgement.measurements if self.judgement else ()
+
+    @property
+    def numbers(self) -> dict[str, Peak]:
+        """The numbers of its cycle by kind; of those of joints the largest."""
+        peaks = self.judgement.peaks if self.judgement else ()
+        return {each.kind: max((p for p in peaks if p.kind == each.kind), key=lambda p: p.value) for each in peaks}
 
 
 @dataclass(frozen=True)
@@ -99,8 +98,7 @@ def members(asked: Asked, changes: Iterable[MemberChanges], progress: Progress) 
     """Yield one member after the other, those that cannot run too."""
     with workers([*asked.engines, registry.ORACLE], lambda: None) as runs:
         for change in changes:
-            scene = changed(asked.file, change)
-            yield scene if isinstance(scene, Member) else solved_member(asked, change, scene, runs, progress)
+            yield solved_member(asked, change, changed(asked.file, change), runs, progress)
 
 
 def changed(file: str | Path, change: MemberChanges) -> Scene | Member:
@@ -111,8 +109,10 @@ def changed(file: str | Path, change: MemberChanges) -> Scene | Member:
         return Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
 
 
-def solved_member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs, progress: Progress) -> Member:
+def solved_member(asked: Asked, change: MemberChanges, scene: Scene | Member, runs: Runs, progress: Progress) -> Member:
     """A member solved, certified and cross-checked, or why it cannot run."""
+    if isinstance(scene, Member):
+        return scene
     try:
         return _member(asked, change, scene, runs, progress)
     except InputError as error:
@@ -142,7 +142,7 @@ def _cycle(judged: Judgement) -> Cycle:
         elif curve.kind in DRAWN:
             name = quantity(curve.channels[0]) if curve.kind == "effort" else curve.kind
             drawn[name] = np.abs(values) if np.iscomplexobj(values) else values
-    return Cycle(motion[axis(judged.scene).channel], drawn, judged.peaks)
+    return Cycle(motion[axis(judged.scene).channel], drawn)
 
 
 def _kept(judged: Judgement) -> Judgement:

@@ -84,15 +84,13 @@ def _by_workers(
 ) -> Iterator[Member]:
     from ...engines.processes.cluster import spread
 
-    made = [(change, changed(asked.file, change)) for change in changes]
-    yield from (member for _, member in made if isinstance(member, Member))
-    tasks = [(change, scene) for change, scene in made if isinstance(scene, Scene)]
+    tasks = [(change, changed(asked.file, change)) for change in changes]
     solve = partial(_on_worker, asked)
     for (change, _), member in spread(solve, tasks, client, lambda: progress("waiting for workers")):
         yield Member(change, member.status.name, member.reason) if isinstance(member, Ended) else member
 
 
-def _on_worker(asked: Asked, task: tuple[MemberChanges, Scene]) -> Member:
+def _on_worker(asked: Asked, task: tuple[MemberChanges, Scene | Member]) -> Member:
     """A member, by engines whose processes are there for the next one too."""
     with ENGINES.runs((*asked.engines, registry.ORACLE)) as runs:
         return solved_member(asked, *task, runs, lambda _: None)

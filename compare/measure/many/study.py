@@ -27,27 +27,13 @@ from ...judge.judgement import judgement
 from ...judge.peaks.numbers import CycleNumber
 from ...mechanics.reference import Reference
 from .family import balanced
-from .machines import SolvedMachines, as_drawn, draws, gradients, machines
+from .machines import as_drawn, draws, gradients, machines
 
-BLOCK = 2048  # machines that a process is asked for at a time
-AT_ONCE = 256  # that are solved in the same arrays: these stay in the processor's cache
+BLOCK = 256  # machines that a process is asked for at a time, in the same arrays: these stay in the processor's cache
 SECONDS = 1800.0  # for a block: slow linkages take 0.1 s a machine
 QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
 ROUNDING = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
 NUMBER = re.compile(r"-?\d[\d.]*(e-?\d+)?")
-
-
-class Nominal(NamedTuple):
-    """The linkage as drawn, with what the linear model needs."""
-
-    reference: Reference
-    machine: SolvedMachines  # itself as the only one
-    gradients: Samples  # of its numbers by those that vary, shape (p, k), SI per unit of the file
-
-    @property
-    def values(self) -> Samples:
-        """Its numbers, shape (k,)."""
-        return np.array([float(number.value[0]) for number in self.machine.numbers])
 
 
 class Block(NamedTuple):
@@ -95,13 +81,19 @@ class MonteCarlo:
     asked: int
     seed: int
     judged: Judgement  # of the linkage as drawn
-    nominal: Nominal
+    numbers: Sequence[CycleNumber]  # the k numbers of that, each of shape (1,)
+    gradients: Samples  # of these by those of the file that vary, shape (p, k), SI per unit of the file
     blocks: list[Block] = field(default_factory=list)
 
     @property
     def scene(self) -> Scene:
         """The linkage as drawn."""
-        return self.nominal.reference.scene
+        return self.judged.scene
+
+    @property
+    def nominal(self) -> Samples:
+        """The numbers of the linkage as drawn, shape (k,), SI."""
+        return np.concatenate([number.value for number in self.numbers])
 
     @property
     def count(self) -> int:
@@ -116,7 +108,7 @@ class MonteCarlo:
     @cached_property
     def values(self) -> Samples:
         """The numbers of all machines asked for, shape (N, k), SI; NaN of those that do not run."""
-        table = np.full((self.asked, len(self.nominal.machine.numbers)), np.nan)
+        table = np.full((self.asked, len(self.numbers)), np.nan)
         for block in self.blocks:
             table[block.first : block.first + len(block.values)] = block.values
         return table
@@ -124,13 +116,14 @@ class MonteCarlo:
     @cached_property
     def spreads(self) -> list[Spread]:
         """What becomes of each number."""
-        drawn, by = draws(self.scene, self.seed, 0, self.asked), self.nominal.gradients
+        drawn = draws(self.scene, self.seed, 0, self.asked)
         off = [drawn[path] - value for path, value in zip(drawn, numbers_in(self.scene.file, [*drawn]), strict=True)]
-        linear = self.nominal.values + np.transpose(off) @ by
+        linear = self.nominal + np.transpose(off) @ self.gradients
         deviations = np.array([variation.deviation for variation in self.scene.variations])
+        of_each = zip(self.numbers, self.values.T, linear.T, self.gradients.T, strict=True)
         return [
-            spread(number, self.values[:, k], linear[:, k], dict(zip(drawn, deviations * by[:, k], strict=True)))
-            for k, number in enumerate(self.nominal.machine.numbers)
+            spread(number, values, by_model, dict(zip(drawn, deviations * by, strict=True)))
+            for number, values, by_model, by in of_each
         ]
 
     @cached_property
@@ -171,7 +164,7 @@ class MonteCarlo:
         moving = [k for k, own in enumerate(self.spreads) if own.deviation > 0]
         if not moving:
             return None
-        off = np.abs(self.values - self.nominal.values)[:, moving] / [self.spreads[k].deviation for k in moving]
+        off = np.abs(self.values - self.nominal)[:, moving] / [self.spreads[k].deviation for k in moving]
         machine, column = np.unravel_index(np.nanargmax(off), off.shape)
         return int(machine), self.spreads[moving[int(column)]]
 
@@ -212,34 +205,31 @@ def begun(
     paths = [variation.path for variation in scene.variations]
     with solvable(scene):
         machine = as_drawn(reference, paths)
-    return MonteCarlo(count, seed, judged, Nominal(reference, machine, gradients(reference, machine, paths)))
+    return MonteCarlo(count, seed, judged, machine.numbers, gradients(reference, machine, paths))
 
 
 def solved(study: MonteCarlo) -> Iterator[Block]:
     """Yield the machines in blocks, as they come from the processes that solve them."""
-    firsts = [range(first, min(first + BLOCK, study.asked)) for first in range(0, study.asked, BLOCK)]
-    solve = partial(_block, study.nominal, study.seed)
+    parts = [range(study.asked)[first : first + BLOCK] for first in range(0, study.asked, BLOCK)]
+    solve = partial(_block, study.judged.reference, len(study.numbers), study.seed)
     if current_process().daemon:  # which may have no processes of its own
-        yield from map(solve, firsts)
+        yield from map(solve, parts)
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    limits = Limits(SECONDS, workers=min(cores, len(firsts)))
-    for own, outcome in isolated(solve, firsts, limits, lambda: None):
+    limits = Limits(SECONDS, workers=min(cores, len(parts)))
+    for own, outcome in isolated(solve, parts, limits, lambda: None):
         if isinstance(outcome, Ended):
             lost = [(machine, outcome.status.name, outcome.reason) for machine in own]
-            outcome = Block(own.start, np.full((len(own), len(study.nominal.values)), np.nan), lost)
+            outcome = Block(own.start, np.full((len(own), len(study.numbers)), np.nan), lost)
         yield outcome
 
 
-def _block(nominal: Nominal, seed: int, own: range) -> Block:
-    """Draw and solve some machines, few at a time, and keep nothing but their numbers."""
-    changes = draws(nominal.reference.scene, seed, own.start, len(own))
-    values, failed, met = np.full((len(own), len(nominal.values)), np.nan), [], 0
-    for first in range(0, len(own), AT_ONCE):
-        some = machines(nominal.reference, {path: v[first : first + AT_ONCE] for path, v in changes.items()})
-        if some.numbers:
-            values[first + some.running] = np.transpose([number.value for number in some.numbers])
-        met += int(np.sum(some.met))
-        ended = enumerate(zip(some.status, some.reason, strict=True), own.start + first)
-        failed += [(n, status.name, reason) for n, (status, reason) in ended if status is not Status.ok]
-    return Block(own.start, values, failed, met)
+def _block(reference: Reference, count: int, seed: int, own: range) -> Block:
+    """Draw and solve some machines, and keep nothing but their `count` numbers."""
+    some = machines(reference, draws(reference.scene, seed, own.start, len(own)))
+    values = np.full((len(own), count), np.nan)
+    if some.numbers:
+        values[some.running] = np.transpose([number.value for number in some.numbers])
+    ended = enumerate(zip(some.status, some.reason, strict=True), own.start)
+    failed = [(n, status.name, reason) for n, (status, reason) in ended if status is not Status.ok]
+    return Block(own.start, values, failed, int(np.sum(some.met)))

@@ -68,24 +68,22 @@ def take_turns(
     def fastest(n: int) -> float:
         return min((run.solve_s for run in times[n]), default=first[n].solve_s)
 
-    def by_engine(numbers: Collection[int], done: int, left: Callable[[], float]) -> Iterator[Sequence[int]]:
-        for _, settings in groupby(numbers, engines.__getitem__):
-            batch, until = [*settings], left()
-            before = accumulate([0.0, *map(fastest, batch)])
-            if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < until]:
-                progress(f"timing {len(numbers)} settings, round {done + 1}")
-                yield chosen
-
     def batches() -> Iterator[Sequence[int]]:
-        every = range(len(times))
+        every, end = range(len(times)), inf  # of the processor time of all runs, after which none begins
         share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
-        for done in range(LEAST_ROUNDS):
-            able = [n for n in able if (done + 1) * seconds(n) <= share]
-            yield from by_engine(able, done, lambda: inf)
-        end = spent(chain.from_iterable(times)) + budget.seconds
-        for done in range(LEAST_ROUNDS, budget.rounds):
-            doubtful = [n for n in in_doubt([*map(fastest, every)]) if not known(times[n])]
-            yield from by_engine(doubtful, done, lambda: end - spent(chain.from_iterable(times)))
+        for done in range(max(LEAST_ROUNDS, budget.rounds)):
+            if done == LEAST_ROUNDS:
+                end = spent(chain.from_iterable(times)) + budget.seconds
+            if done < LEAST_ROUNDS:
+                numbers = able = [n for n in able if (done + 1) * seconds(n) <= share]
+            else:
+                numbers = [n for n in in_doubt([*map(fastest, every)]) if not known(times[n])]
+            for _, settings in groupby(numbers, engines.__getitem__):
+                batch, left = [*settings], end - spent(chain.from_iterable(times))
+                before = accumulate([0.0, *map(fastest, batch)])
+                if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < left]:
+                    progress(f"timing {len(numbers)} settings, round {done + 1}")
+                    yield chosen
 
     runs = (zip(batch, again(batch), strict=True) for batch in batches())
     for number, run in kept(chain.from_iterable(runs)):

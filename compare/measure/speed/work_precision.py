@@ -249,11 +249,10 @@ def above_floor(steps: Samples, errors: Samples, floor: float) -> int:
 
 def _order(x: Samples, y: Samples) -> tuple[float, float, list[float]]:
     """Return order, residual and local orders of the longest straight run of settings, or else of all."""
-    runs = [slice(i, j) for i in range(len(x)) for j in range(i + LEAST_POINTS, len(x) + 1)]
-    if not runs:
+    if len(x) < LEAST_POINTS:
         return nan, nan, []
-    residuals = [_line(x[run], y[run])[1] for run in runs]
-    straight = [run for run, residual in zip(runs, residuals, strict=True) if residual <= STRAIGHT]
+    runs = (slice(i, j) for i in range(len(x)) for j in range(i + LEAST_POINTS, len(x) + 1))
+    straight = [run for run in runs if _line(x[run], y[run])[1] <= STRAIGHT]
     best = max(straight or [slice(0, len(x))], key=lambda run: run.stop - run.start)
     return *_line(x[best], y[best]), [float(slope) for slope in -np.diff(y[best]) / np.diff(x[best])]
 

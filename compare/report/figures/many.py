@@ -61,7 +61,7 @@ def _line(family: Family, member: Member) -> dict[str, object]:
 
 def over_number(family: Family) -> Figure:
     """Draw a panel a number over the first that varies, a line for each value of the others; a gap where none runs."""
-    known = [(tuple(m.changes.values()), m.cycle.numbers if m.cycle else {}) for m in family.members]
+    known = [(tuple(m.changes.values()), m.numbers) for m in family.members]
     kinds = [kind for kind in SHOWN if any(kind in numbers for _, numbers in known)]
     first, *others = names(family.variations)
     figure = grid([capital(kind) for kind in kinds], 2)

@@ -69,10 +69,10 @@ def _motion(scene: Scene) -> Motion:
 
 def _shown(family: Family) -> Iterator[dict[str, Any]]:
     """Yield by name what the slider shows of the members that are drawn, all at one scale and with the same units."""
-    chosen = [(member, cycle, member.judgement) for member, cycle in drawn(family) if member.judgement is not None]
-    alone = [Drawing(judged.scene, _motion(judged.scene)) for _, _, judged in chosen]
-    named = units(*(judged.reference for _, _, judged in chosen)) if chosen else {}
-    for (member, cycle, judged), own in zip(chosen, alone, strict=True):
+    chosen = [(member, member.judgement) for member, _ in drawn(family) if member.judgement is not None]
+    alone = [Drawing(judged.scene, _motion(judged.scene)) for _, judged in chosen]
+    named = units(*(judged.reference for _, judged in chosen)) if chosen else {}
+    for (member, judged), own in zip(chosen, alone, strict=True):
         over = own.motion[axis(own.scene).channel]
         yield {
             "label": family_tables.label(family, member),
@@ -80,7 +80,7 @@ def _shown(family: Family) -> Iterator[dict[str, Any]]:
             "agreement": judged.agreement,
             "svg": by_itself(Drawing(own.scene, own.motion, alone), FRAMES),
             "ends": (float(over[0]), float(over[-1])),  # of the motion on the axis, SI
-            "answers": answers(own.scene, cycle.peaks, named),
+            "answers": answers(own.scene, judged.peaks, named),
         }
 
 

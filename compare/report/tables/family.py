@@ -47,7 +47,7 @@ def in_si(family: Family) -> TableRows:
     """Yield a row a member with everything that is known about it, quantities in SI."""
     for member in family.members:
         row: dict[str, object] = {**member.changes, "status": member.status, "reason": member.reason}
-        for peak in _numbers(member).values():
+        for peak in member.numbers.values():
             row[_header(peak, peak.unit)] = peak.value
             if _at_a_joint(peak):
                 row[f"{peak.kind} at"] = peak.of
@@ -61,7 +61,7 @@ def in_si(family: Family) -> TableRows:
 def overview(family: Family) -> TableRows:
     """Yield a row a member as a reader wants it: units with prefixes, as many digits as set the members apart."""
     varied = [name.replace("-", "\u2011") for name in names(family.variations)]  # which do not break into lines
-    known = [_numbers(member) for member in family.members]
+    known = [member.numbers for member in family.members]
     columns = [(kind, *_column(kind, known)) for kind in OVERVIEW if any(kind in numbers for numbers in known)]
     for member, numbers in zip(family.members, known, strict=True):
         changes = (f"{value:.6g}" for value in member.changes.values())
@@ -79,10 +79,6 @@ def _column(kind: str, members: Sequence[dict[str, Peak]]) -> tuple[str, Callabl
     factor, unit = ALONE.get(one.unit) or prefixed(largest, one.unit)
     decimals, joint = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9), _at_a_joint(one)
     return _header(one, unit), lambda peak: f"{peak.value * factor:.{decimals}f} {peak.of if joint else ''}".strip()
-
-
-def _numbers(member: Member) -> dict[str, Peak]:
-    return member.cycle.numbers if member.cycle else {}
 
 
 def _header(peak: Peak, unit: str) -> str:
@@ -105,7 +101,7 @@ def _error(family: Family, m: Measurement) -> str:
 
 def on_a_line(family: Family, member: Member) -> str:
     """A member in one line for the terminal."""
-    parts, numbers = [label(family, member), member.status], _numbers(member)
+    parts, numbers = [label(family, member), member.status], member.numbers
     shown = (numbers[kind] for kind in ON_A_LINE if kind in numbers)
     parts += [f"{peak.kind} {written(peak.value, peak.unit, ALONE, digits=DIGITS)}" for peak in shown]
     parts += [f"{m.run.engine} {_error(family, m)}" for m in member.measurements]

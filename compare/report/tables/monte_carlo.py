@@ -58,7 +58,7 @@ def summary(study: MonteCarlo) -> dict[str, object]:
 
 def shown_units(study: MonteCarlo) -> Units:
     """Units of the page, but for those of forces: each has the prefix that suits it."""
-    return {si: unit for si, unit in units(study.nominal.reference).items() if si not in ("N", "N*m")}
+    return {si: unit for si, unit in units(study.judged.reference).items() if si not in ("N", "N*m")}
 
 
 def moving(study: MonteCarlo) -> list[Spread]:
@@ -85,7 +85,7 @@ def _amount(study: MonteCarlo, number: Spread, value: float, sign: str = "") -> 
 def enclosed(study: MonteCarlo) -> TableRows:
     """A row a pin: its largest force on the machines drawn, and on all that may be made, where that is proven."""
     rows = []
-    for k, (s, number) in enumerate(zip(study.spreads, study.nominal.machine.numbers, strict=True)):
+    for k, (s, number) in enumerate(zip(study.spreads, study.numbers, strict=True)):
         if number.kind == AT_JOINTS["reaction"] and s.deviation > 0 and (row := study.enclosed.get(s.of)):
             drawn, made = study.values[s.largest, k] - s.nominal, row.high - s.nominal
             shown = {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}

@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 from analytic.core import kinematics
-from compare.engines import registry
 from compare.measure.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions
 from compare.mechanics.reference import uncertified
 from scenes import Failure, Positions, Scene, Status, hard
@@ -67,7 +66,7 @@ def test_the_condition_of_a_crank_by_hand() -> None:
 
 def test_the_nearest_lock_is_looked_at_from_close_by() -> None:
     scene = rung("lock_rrp", "1e-6")
-    nearest, left = nearest_lock(scene, registry.reference(scene))
+    nearest, left = nearest_lock(uncertified(scene))
     assert nearest == pytest.approx(pi / 2, abs=4e-8)  # where the distance is flat to two roundings: x^2 / 4 < 2 eps
     assert left == pytest.approx(1e-6, abs=4 * EPS)
     stops = positions(scene, nearest)

@@ -23,11 +23,11 @@ def run(file: str | Path, vary: Sequence[str], engines: Sequence[str] = ()) -> l
     return list(members(Asked(file, engines, Sampling(72)), changes, lambda _: None))
 
 
-def one(file: str | Path, changes: Mapping[str, float]) -> Cycle:
-    """The cycle of a single member."""
+def one(file: str | Path, changes: Mapping[str, float]) -> tuple[Mapping[str, Peak], Cycle]:
+    """The numbers and the cycle of a single member."""
     (member,) = members(Asked(file, (), Sampling(72)), [changes], lambda _: None)
     assert member.cycle is not None, member.reason
-    return member.cycle
+    return member.numbers, member.cycle
 
 
 def many(name: str, changes: Mapping[str, Samples]) -> SolvedMachines:

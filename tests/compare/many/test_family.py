@@ -125,6 +125,6 @@ def test_numbers_over_what_varies() -> None:
     for trace, kind in zip(
         traces[::2], ("stroke", "largest force", "peak driving torque", "peak braking torque"), strict=True
     ):
-        values = [m.cycle.numbers[kind].value for m in of.members if m.cycle and m.changes["drive.speed"] == 30]
+        values = [m.numbers[kind].value for m in of.members if m.cycle and m.changes["drive.speed"] == 30]
         assert trace["y"][1:] / trace["y"][1] == pytest.approx(np.array(values) / values[0])
     assert stroke["y"][-1] == pytest.approx(163.6, abs=0.5), "mm"

@@ -46,7 +46,6 @@ def summary(folder: Path) -> Any:
 @pytest.fixture
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solving, "BLOCK", 40)
-    monkeypatch.setattr(solving, "AT_ONCE", 16)
 
 
 @pytest.mark.usefixtures("small_blocks")

@@ -11,6 +11,7 @@ from compare.judge.checks import checks
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.motion_vectors import MotionVectors
 from compare.mechanics.scales import travels
+from compare.mechanics.turns import twist
 from compare.report.linkage.drawing import Drawing
 from compare.report.linkage.svg import by_itself
 from scenes import Motion, Sampling, Scene
@@ -109,7 +110,7 @@ def test_turns_count_whatever_the_order_of_the_samples(at: str, between: list[st
     expected -= tau * np.ceil(expected[0] / tau - 0.5)
     rows = np.random.default_rng(0).permutation(len(expected))[:30]
     some = Motion({channel: samples[rows] for channel, samples in motion.samples.items()})
-    np.testing.assert_allclose(MotionVectors(scene, some).twist(scene.torsion_springs[0]), expected[rows], atol=1e-12)
+    np.testing.assert_allclose(twist(MotionVectors(scene, some), scene.torsion_springs[0]), expected[rows], atol=1e-12)
     assert (np.ptp(expected) > 3 * pi) == (at == "B")
 
 
@@ -118,14 +119,14 @@ def test_a_spring_on_the_crank_has_the_turns_of_the_drive(sign: int) -> None:
     between = ["ground", "crank"][::sign]
     changes: Changes = {"drive.start": 9, "torsion_springs": [{"at": "A", "between": between, "damping": 1}]}
     scene = scene_files.load("loaded_four_bar", changes)
-    twist = MotionVectors(scene, motion := solved(scene)).twist(scene.torsion_springs[0])
-    np.testing.assert_allclose(twist, sign * motion["crank_angle"], atol=1e-12)
+    angle = twist(MotionVectors(scene, motion := solved(scene)), scene.torsion_springs[0])
+    np.testing.assert_allclose(angle, sign * motion["crank_angle"], atol=1e-12)
 
 
 def test_a_spring_between_bodies_that_do_not_turn_keeps_its_angle() -> None:
     spring = {"at": "F", "between": ["block", "follower"], "stiffness": 2, "angle": 1}
     scene = scene_files.load("wedge", {"torsion_springs": [spring]})
-    assert not MotionVectors(scene, solved(scene)).twist(scene.torsion_springs[0]).any()
+    assert not twist(MotionVectors(scene, solved(scene)), scene.torsion_springs[0]).any()
 
 
 def test_all_kinds_are_drawn() -> None:
