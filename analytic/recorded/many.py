@@ -1,10 +1,9 @@
 """Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,)."""
 
-from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import lru_cache, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -26,12 +25,11 @@ from ..way.slider import furthest
 from ..way.windings import Winding
 from .arithmetics.in_numpy import StraightLine
 from .branches import branches
-from .expressions import Expression, Line
+from .expressions import Line
 from .program import Program, inputs_at, recorded
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
 Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
-LINES: deque[Any] = deque(maxlen=4)  # block after block of machines of one scene are solved
 
 
 @dataclass(frozen=True)
@@ -86,22 +84,21 @@ def solve_many(
     return many_solver(scene, changes, channels)(position, time)
 
 
-def many_solver(
-    scene: Scene, changes: Mapping[str, ArrayLike], channels: AbstractSet[str] | None = None
-) -> "ManySolver":
-    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once."""
-    asked = None if channels is None else frozenset(names("channels", channels))
-    return many_by(partial(_line, scene, asked), scene, changes)
-
-
 @np.errstate(all="ignore")  # machines that no file could describe are named
-def many_by(
-    line_of: Callable[[frozenset[str]], tuple[Program, Line]], scene: Scene, changes: Mapping[str, ArrayLike]
+def many_solver(
+    scene: Scene,
+    changes: Mapping[str, ArrayLike],
+    channels: AbstractSet[str] | None = None,
+    at_hand: tuple[Program, Line] | None = None,
 ) -> "ManySolver":
-    """The same, given the line for the paths of the numbers that differ."""
+    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once.
+
+    Unless there is a line `at_hand`, of which all numbers that differ are open.
+    """
     numbers = numbers_of(scene, changes)
     many, count = scene.with_numbers(numbers), max(map(len, numbers.values()), default=1)
-    program, line = line_of(frozenset(numbers))
+    asked = None if channels is None else frozenset(names("channels", channels))
+    program, line = at_hand or _line(scene, frozenset(numbers), asked)
     failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
     try:
         tracks = branches(scene, program, numbers, count)
@@ -112,14 +109,10 @@ def many_by(
     return ManySolver(scene, program, line, numbers, ends, tracks, failed, count, wound)
 
 
-def _line(scene: Scene, channels: frozenset[str] | None, paths: frozenset[str]) -> tuple[Program, Line]:
-    """The line of a very scene, as it was recorded for the last block of machines."""
-    kept = (own for of, *key, own in LINES if of is scene and key == [paths, channels])
-    if (found := next(kept, None)) is None:
-        program = recorded(scene, paths, channels)
-        found = program, StraightLine(program.rows)
-        LINES.append((scene, paths, channels, found))
-    return found
+@lru_cache(maxsize=4)  # block after block of machines of one scene are solved
+def _line(scene: Scene, paths: frozenset[str], channels: frozenset[str] | None) -> tuple[Program, Line]:
+    program = recorded(scene, paths, channels)
+    return program, StraightLine(program.rows)
 
 
 @dataclass(frozen=True)
@@ -232,21 +225,17 @@ def _stroke_ends(
     many: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
 ) -> dict[str, Samples]:
     """Where each machine's closing strokes end, m, shape (m, 1), by the load's place; none where no force is wanted."""
-    count = len(tracks)
-    extent = [np.broadcast_to(end, (count, 1)) for end in many.drive.extent]
+    parts = [slice(first, first + TOGETHER) for first in range(0, max(len(tracks), 1), TOGETHER)]
 
-    @cache
-    def ends(stroke: tuple[Expression, Expression], closing: bytes) -> Samples:
-        line, signs = StraightLine(stroke), np.frombuffer(closing)[:, np.newaxis]
+    def displaced(line: Line, rows: slice, way: Samples) -> Samples:
+        machine = {path: values[rows] for path, values in numbers.items()}
+        return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
 
-        def displaced(rows: slice, way: Samples) -> Samples:
-            machine = {path: values[rows] for path, values in numbers.items()}
-            return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
-
-        some = [slice(first, first + TOGETHER) for first in range(0, max(count, 1), TOGETHER)]
-        parts = [furthest(partial(displaced, rows), *(each[rows] for each in (signs, *extent))) for rows in some]
-        return np.concatenate(parts)[:, np.newaxis]
-
-    presses = ((place, load.closing) for place, load in many.elements if isinstance(load, PressForce))
-    signs = {place: np.broadcast_to(closing, (count, 1)) for place, closing in presses if place in program.strokes}
-    return {place: ends(program.strokes[place], sign.astype(float).tobytes()) for place, sign in signs.items()}
+    ends = {}
+    for place, load in many.elements:
+        if isinstance(load, PressForce) and place in program.strokes:
+            line = StraightLine(program.strokes[place])
+            each = [np.broadcast_to(one, (len(tracks), 1)) for one in (load.closing, *many.drive.extent)]
+            of_parts = [furthest(partial(displaced, line, rows), *(one[rows] for one in each)) for rows in parts]
+            ends[place] = np.concatenate(of_parts)[:, np.newaxis]
+    return ends

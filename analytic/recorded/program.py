@@ -28,7 +28,7 @@ from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
 from ..core.rubbing_joints import FrictionBalance
-from .expressions import Closing, Expression, Inputs, Recorder, needed, substituted
+from .expressions import Closing, Expression, Inputs, Recorder, needed
 from .forward import forward
 from .traced import Traced, traced
 
@@ -143,18 +143,15 @@ class RecordedPass(Pass):
         make, k = self.make, self.k
         begin, allowed, branch = inputs_of(group)
         unknowns = [make.input(f"{name} sought", sampled=True) for name in begin]
-        C = self.constraints(group, unknowns)
-        columns = [self.changes(C, {unknown: make.constant(1.0)}) for unknown in unknowns]
-        closing = Closing(unknowns, C, [entry for row in zip(*columns, strict=True) for entry in row])
+        closing = Closing(unknowns, *self.constraints(group, unknowns))
         size = traced(make, size_of(group, self.linkage.bodies)).x
         given = [*(make.input(name, sampled=True) for name in (*begin, allowed)), make.input(branch, sampled=False)]
         closed = self.closed[group] = make.closed(closing, [*given, size, *closing.outer])
         q = [make.component(closed, i) for i in range(len(begin))]
-        rows = substituted(make, [*closing.C, *closing.J], dict(zip(unknowns, q, strict=True)))
-        C, J = closing.at_zero = rows[: len(q)], rows[len(q) :]
+        closing.at_zero = self.constraints(group, q)
         dq = self.changes(q, self.by_time)
         ddq = self.changes(dq, self.by_time)
-        k.jacobian[group.P] = J  # type: ignore[assignment]
+        k.jacobian[group.P] = closing.at_zero[1]  # type: ignore[assignment]
         a_number: Any = Traced(make, make("less_equal", q[0], q[0]))
         k.reach[group.P] = chosen(a_number, 1.0, -1.0)
         for b, body in enumerate(group.bodies):
@@ -165,8 +162,8 @@ class RecordedPass(Pass):
                 k.z[foot], k.v[foot], k.a[foot] = z, v, a  # type: ignore[assignment]
             self.place(body, foot, np.exp(1j * turn), (omega, alpha))  # type: ignore[arg-type]
 
-    def constraints(self, group: Group, q: Sequence[Expression]) -> list[Expression]:
-        """Return C of a group, in the order of `GroupEquations.open`."""
+    def constraints(self, group: Group, q: Sequence[Expression]) -> tuple[list[Expression], list[Expression]]:
+        """Return C of a group, in the order of `GroupEquations.open`, and its Jacobian J by q, row by row."""
         frames, bodies = self.frames(group, q), self.linkage.bodies
 
         def at(body: str, local: Any) -> Any:
@@ -190,8 +187,10 @@ class RecordedPass(Pass):
         if group.drive is not None and self.scene.driven_slide is None:
             (_, u), (_, u_on) = (frames[name] for name in group.drive)
             driven = [((u_on * np.exp(1j * self.driven.position)).conjugate() * u).imag]
-        make, others = self.make, (*offsets, *turns, *driven)
-        return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [traced(make, x).x for x in others]
+        others = (traced(self.make, x).x for x in (*offsets, *turns, *driven))
+        C = [*(gap.x for gap in gaps), *(gap.y for gap in gaps), *others]
+        columns = [self.changes(C, {one: self.make.constant(1.0)}) for one in q]
+        return C, [entry for row in zip(*columns, strict=True) for entry in row]
 
     def frames(self, group: Group, q: Sequence[Expression]) -> dict[str, tuple[Any, Any]]:
         """Return the first points, m, and the attitudes of the group's bodies and of those that it hangs on."""
@@ -207,7 +206,7 @@ class RecordedPass(Pass):
 
     def changes(self, of: Sequence[Expression], given: dict[Expression, Expression]) -> list[Expression]:
         """The changes of expressions."""
-        d = forward(self.make, needed(of), given)
+        d = forward(self.make, needed(of, {one.order for one in given}), given)
         return [d.get(one.order, self.make.constant(0.0)) for one in of]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ..expressions import OPERATIONS, Closing, Expression, needed
+from ..expressions import Closing, Expression, needed
 from .box_equations import alone, contracted, inverse_of, picked, series, solution, stacked
 from .in_numpy import NewtonsMethod
 from .taylor_models import EXACT, ROUNDED, RULES, TaylorModel, point
@@ -106,5 +106,5 @@ class BoxLine:
             case "component":
                 return picked(of[0], int(one.of[1].of[0]))
             case "less" | "less_equal" if not one.sampled:  # of the file's numbers: as they are, to the last place
-                return point(OPERATIONS[one.operation](*(x.c[0, 0] for x in of)), self.like)
+                return point(getattr(np, one.operation)(*(x.c[0] for x in of)), self.like)
         return RULES[one.operation](*of)
