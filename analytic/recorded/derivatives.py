@@ -46,6 +46,7 @@ def derivatives(
     return derivative_solver(scene, numbers, channels)(position, time)
 
 
+@np.errstate(all="ignore")  # of constants
 def derivative_solver(
     scene: Scene, numbers: Sequence[str], channels: AbstractSet[str] | None = None
 ) -> Callable[..., Mapping[str, Samples]]:

@@ -88,8 +88,7 @@ class Recorder:
         """Return an operation on expressions, in its simplest form."""
         known = [expression.of[0] if expression.operation == "constant" else None for expression in of]
         if None not in known and operation != "within":
-            with np.errstate(all="ignore"):
-                return self.constant(getattr(np, operation)(*known))
+            return self.constant(getattr(np, operation)(*known))
         match operation, known:
             case ("add", [0.0, _]) | ("multiply", [1.0, _]):
                 return of[1]

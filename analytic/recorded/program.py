@@ -62,6 +62,7 @@ class Program:
         return (*known, *(name for name in (*self.channels, *self.own) if name not in known))
 
 
+@np.errstate(all="ignore")  # of constants, as of samples
 def recorded(
     scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None, *, proven: bool = False
 ) -> Program:

@@ -1,8 +1,7 @@
 """Recorded expressions as NumPy calls, one an operation, whose results are in few arrays that stay in cache."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from math import ceil, inf, isqrt, nan
+from math import inf, isqrt, nan
 from types import MappingProxyType
 from typing import Any
 
@@ -28,7 +27,7 @@ class StraightLine:
         """The values."""
         m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
         rows = np.zeros((self._count, m, n))  # whose pages, where nothing is written, cost nothing
-        with np.errstate(all="ignore"), row_by_row(n):
+        with np.errstate(all="ignore"):
             for place in blocks(m, n):
                 here = {name: part(values, *place) for name, values in given.items()}
                 self._evaluate(here, rows[:, *place])
@@ -142,17 +141,6 @@ def solutions(shape: tuple[int, ...], entries: Sequence[Samples | float]) -> Sam
         rows[..., column] = entry
     x = solved(rows[..., : k * k].reshape(*shape, k, k), rows[..., k * k :])
     return np.ascontiguousarray(np.moveaxis(x, -1, 0))
-
-
-@contextmanager
-def row_by_row(n: int) -> Iterator[None]:
-    """Have NumPy meet numbers of shape (m, 1) with samples of shape (m, n) without a copy of them for each sample."""
-    # It makes copies where its buffer holds several rows; short rows are better off with them.
-    before = np.setbufsize(16 * ceil(n / 16) if 100 <= n <= np.getbufsize() else np.getbufsize())
-    try:
-        yield
-    finally:
-        np.setbufsize(before)
 
 
 def blocks(m: int, n: int, most: int = BLOCK) -> Iterator[tuple[slice, slice]]:
