@@ -225,11 +225,12 @@ def _stroke_ends(
     many: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
 ) -> dict[str, Samples]:
     """Where each machine's closing strokes end, m, shape (m, 1), by the load's place; none where no force is wanted."""
+    known = {path: number.value for path, number in many.numbers.items()}  # what a line at hand may be of besides
     parts = [slice(first, first + TOGETHER) for first in range(0, max(len(tracks), 1), TOGETHER)]
 
     def displaced(line: Line, rows: slice, way: Samples) -> Samples:
         machine = {path: values[rows] for path, values in numbers.items()}
-        return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
+        return line({**known, **machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
 
     ends = {}
     for place, load in many.elements:
