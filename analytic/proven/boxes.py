@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import partial, reduce
 from itertools import zip_longest
-from math import inf
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,7 +23,7 @@ from scenes.scene import PressForce
 from ..channels import all_channels
 from ..core.decomposition import decompose
 from ..core.groups.group_equations import Group
-from ..recorded.arithmetics.box_equations import picked, stacked
+from ..recorded.arithmetics.box_equations import stacked
 from ..recorded.arithmetics.box_line import BoxLine
 from ..recorded.arithmetics.taylor_models import TaylorModel, joined, parabola_most, point
 from ..recorded.expressions import Expression
@@ -97,7 +96,7 @@ class Boxes:
         for place, load in scene.elements:
             if isinstance(load, PressForce) and place in self.program.strokes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
-        wanted = [rows[name] for name in self.names] + conditions(self.program.reach)
+        wanted = [rows[name] for name in self.names] + [*self.program.conditions]
         self._line = self._line_of(wanted)
         self._choices = self._line_of([*self.program.make.choices.values()])
 
@@ -110,8 +109,8 @@ class Boxes:
         given, own = self.given(low, high), np.arange(len(low))
         if self.program.make.choices:
             made, own = _chosen(self._over(self._choices, low, high, given))
-            given = {name: picked(one, own) for name, one in given.items()}
-            given |= {name: picked(made, row) for row, name in enumerate(self.program.make.choices)}
+            given = {name: one[own] for name, one in given.items()}
+            given |= {name: made[row] for row, name in enumerate(self.program.make.choices)}
         return self._over(self._line, low[own], high[own], given), own
 
     def divided(self, count: int) -> tuple[Samples, Samples]:
@@ -131,12 +130,12 @@ class Boxes:
         """The models of a line's rows, all of all boxes; none where a larger group may be on another branch."""
         given, parts = given or self.given(low, high), []
         for first in range(0, len(low), BLOCK):
-            here = {name: picked(one, slice(first, first + BLOCK)) for name, one in given.items()}
+            here = {name: one[first : first + BLOCK] for name, one in given.items()}
             boxes = point(np.zeros(len(here["position"].rest)), self.like)
             parts.append(stacked([*line(here), boxes]))
-        every = picked(joined(parts), slice(-1))
+        every = joined(parts)[:-1]
         if self.branches is not None:
-            rows, poses = (picked(every, part) for part in np.split(np.arange(len(every.rest)), [-len(self.poses)]))
+            rows, poses = (every[part] for part in np.split(np.arange(len(every.rest)), [-len(self.poses)]))
             known = self.branches.have(poses, low, high) | ~np.isfinite(poses.rest).any(axis=0)
             every = TaylorModel(rows.c, np.where(known, rows.rest, np.nan))
         return every
@@ -205,13 +204,6 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     c = np.where(known, 0.0, numbers.c[:, :, own])
     c[0] = np.where(known, values, c[0])
     return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, own])), own
-
-
-def conditions(reach: Expression) -> list[Expression]:
-    """What has to be positive for the least of it to be."""
-    if reach.operation == "minimum":
-        return [one for of in reach.of for one in conditions(of)]
-    return [] if reach.of == (inf,) else [reach]  # a crank alone always reaches
 
 
 def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> Any:

@@ -8,7 +8,8 @@ function theorem.
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -47,8 +48,13 @@ class Program:
     numbers: Mapping[str, Expression]
     channels: Mapping[str, Expression]
     strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
-    reach: Expression  # negative where a group does not reach, or its branch is open
+    conditions: Sequence[Expression]  # negative where a group does not reach, or its branch is open
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
+
+    @cached_property
+    def reach(self) -> Expression:
+        """The least of the conditions; of a crank alone, which always reaches, infinite."""
+        return reduce(partial(self.make, "minimum"), self.conditions, self.make.constant(inf))
 
     @cached_property
     def rows(self) -> list[Expression]:
@@ -99,15 +105,13 @@ def recorded(
             value = traced(make, take(k, on))
             parts = zip(names, (value.x, value.y), strict=False)
             expressions |= {name: part for name, part in parts if name in wanted}
-    least: Any = traced(make, np.inf)
-    for reach in k.reach.values():
-        least = np.minimum(least, reach)
-    for branch in (group.branch for group in every.groups if not isinstance(group, Group)):
-        if isinstance(branch, Traced):  # zero where the sketch leaves it open
-            least = np.minimum(least, chosen(branch * branch > 0, 1.0, -1.0))
+    branches = (group.branch for group in every.groups if not isinstance(group, Group))
+    # A branch is zero where the sketch leaves it open.
+    drawn = [chosen(branch * branch > 0, 1.0, -1.0) for branch in branches if isinstance(branch, Traced)]
+    conditions = [traced(make, one).x for one in (*k.reach.values(), *drawn)]
     left = frozenset(own if channels is None else own & channels)
     by_path = {path: number.x for path, number in numbers.items()}
-    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, left)
+    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, conditions, left)
 
 
 def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:

@@ -23,11 +23,6 @@ def stacked(models: Sequence[TaylorModel]) -> TaylorModel:
     return TaylorModel(c, rest)
 
 
-def picked(x: TaylorModel, i: Any) -> TaylorModel:
-    """Some of the values of stacked models; of models alone those of some boxes, unless it is the same in all."""
-    return x if len(x.rest) == 1 and x.rest.ndim == 1 else TaylorModel(x.c[:, i], x.rest[i])
-
-
 def _times(matrix: Samples, x: TaylorModel) -> TaylorModel:
     """A matrix of doubles, shape (n, k, k), times models of shape (k, ..., n)."""
     n, k, _ = matrix.shape
