@@ -28,6 +28,7 @@ from ..recorded.arithmetics.box_line import BoxLine
 from ..recorded.arithmetics.taylor_models import TaylorModel, joined, parabola_most, point
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
+from ..recorded.traced import Traced
 from ..solve import prepared
 from .branches import ROOM, Branches, branches
 
@@ -69,15 +70,12 @@ class Boxes:
         make, rows = self.program.make, dict(self.program.channels)
         for name, (x, y) in lengths.items():
             if x in rows and y in rows:
-                rows[name] = make(
-                    "sqrt", make("add", make("multiply", rows[x], rows[x]), make("multiply", rows[y], rows[y]))
-                )
+                rows[name] = abs(Traced(make, rows[x], rows[y])).x
         if angles and rows.keys() >= {*angles}:
             rows[TRANSMISSION] = reduce(partial(make, "minimum"), [rows[angle] for angle in angles])
         self.names = [name for name in rows if names is None or name in names]
         units = [UNITS[quantity(name)] for name in self.names]
-        kinds = [unit.partition("*")[0] for unit in units]
-        self.kinds: Numbers = np.array([kinds.index(kind) for kind in kinds], np.intp)
+        self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
         self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
         self.most = MOST // SLOWER if self.core.linkage.tracks else MOST
         self.numbers: dict[str, TaylorModel] = {}

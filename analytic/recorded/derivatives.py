@@ -60,7 +60,7 @@ def derivative_solver(
     rate = make("negative", make("divide", follows, traced(make, getattr(program.scene.drive, "speed", 1.0)).x))
     by_drive = {"drive.start": rate, "drive.speed": make("multiply", instant, rate)}  # of (position - start) / speed
     for key in keys:
-        d = forward(make, order, {program.numbers[key]: make.constant(1.0), instant: by_drive.get(key, zero)})
+        d = forward(make, order, {make.input(key, sampled=False): make.constant(1.0), instant: by_drive.get(key, zero)})
         rows += [d.get(made.order, zero) for made in program.channels.values()]
     line = StraightLine([*rows, program.reach])
     values = {key: scene.numbers[key].value for key in keys}

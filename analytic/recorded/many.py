@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,9 +18,8 @@ from scenes.scene import PressForce
 from ..core.decomposition import decompose
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, equations_of
-from ..core.kinematics import kinematics
 from ..solve import Solver, driven_at, not_reached, prepared, solver, where_open
-from ..way.motion_range import in_line
+from ..way.motion_range import in_line, motion_at
 from ..way.slider import furthest
 from ..way.windings import Winding
 from .arithmetics.in_numpy import StraightLine
@@ -141,6 +140,7 @@ class ManySolver:
         samples = self.block(slice(0, self.count), position, time, failed)
         return Machines(samples, *told(failed, self.count))
 
+    @np.errstate(all="ignore")  # a speed of zero, which is refused
     def block(
         self, rows: slice, position: Samples, time: Samples | None, failed: dict[int, Ending]
     ) -> dict[str, Samples]:
@@ -149,13 +149,9 @@ class ManySolver:
         Their positions and instants have the shape (n,) or (rows, n).
         """
         numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
-        own: dict[str, Any] = {
-            name: numbers[f"drive.{name}"] for name in ("speed", "start") if f"drive.{name}" in numbers
-        }
         shape = (rows.stop - rows.start, position.shape[-1])
-        with np.errstate(all="ignore"):  # a speed of zero, which is refused
-            part = replace(self.scene, drive=replace(self.scene.drive, **own)) if own else self.scene
-            instants, driven = driven_at(part, position, time)
+        drive = {path: values for path, values in numbers.items() if path in ("drive.speed", "drive.start")}
+        instants, driven = driven_at(self.scene.with_numbers(drive), position, time)
         if self.tracks is None:
             filled = np.full((len(self.program.rows), *shape), np.nan)
         else:
@@ -174,8 +170,8 @@ class ManySolver:
                 left = {name: channels[name][row] for name in (self.program.own if fine[row] else channels)}
                 if ending := self._alone(machine, at, when, left, followed=bool(fine[row])):
                     failed.setdefault(machine, ending)
-        drive = {"time": instants, self.scene.drive_channel: position}
-        channels |= {name: np.broadcast_to(values, shape) for name, values in drive.items()}
+        given = {"time": instants, self.scene.drive_channel: position}
+        channels |= {name: np.broadcast_to(values, shape) for name, values in given.items()}
         return {name: channels[name] for name in self.program.names}
 
     def _alone(
@@ -188,15 +184,13 @@ class ManySolver:
         ending: Ending | None = None
         try:
             core = self.cores.get(machine) or self._core(machine, followed=followed)
-            with np.errstate(all="ignore"):
-                k = kinematics(core.scene, core.linkage, Driven(position, np.ones(()), np.zeros(())), rates=False)
-                reached = np.ones(position.shape, np.bool_)
-                for reach in k.reach.values():
-                    reached &= ~(reach < 0)
-                if (stop := not_reached(core.linkage, k, position)) is not None:
-                    why = f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
-                    ending = Status.cannot_assemble, why
-                motion = core(position[reached], time if time is None else time[reached])
+            k = motion_at(core.scene, core.linkage, position, rates=False)
+            reached = np.ones(position.shape, np.bool_)
+            for reach in k.reach.values():
+                reached &= ~(reach < 0)
+            if (stop := not_reached(core.linkage, k, position)) is not None:
+                ending = Status.cannot_assemble, f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
+            motion = core(position[reached], time if time is None else time[reached])
         except Failure as failure:  # the joints do not go together, or friction holds them
             return failure.status, failure.reason
         for channel, values in samples.items():

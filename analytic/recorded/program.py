@@ -45,7 +45,6 @@ class Program:
     scene: Scene  # with numbers as expressions
     linkage: Linkage  # with the same
     closed: Mapping[Group, Expression]  # the larger groups' coordinates
-    numbers: Mapping[str, Expression]
     channels: Mapping[str, Expression]
     strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
     conditions: Sequence[Expression]  # negative where a group does not reach, or its branch is open
@@ -110,8 +109,7 @@ def recorded(
     drawn = [chosen(branch * branch > 0, 1.0, -1.0) for branch in branches if isinstance(branch, Traced)]
     conditions = [traced(make, one).x for one in (*k.reach.values(), *drawn)]
     left = frozenset(own if channels is None else own & channels)
-    by_path = {path: number.x for path, number in numbers.items()}
-    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, conditions, left)
+    return Program(make, request, opened, linkage, way.closed, expressions, strokes, conditions, left)
 
 
 def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:

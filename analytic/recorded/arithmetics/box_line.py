@@ -9,7 +9,7 @@ import numpy as np
 from scenes.model.motion import Samples
 
 from ..expressions import Closing, Expression, needed
-from .box_equations import alone, contracted, inverse_of, series, solution, stacked
+from .box_equations import alone, contracted, inverses, series, solution, stacked
 from .in_numpy import NewtonsMethod
 from .taylor_models import EXACT, ROUNDED, RULES, TaylorModel, point
 
@@ -41,7 +41,7 @@ class Closed:
 
         exactly = np.zeros((k, n))
         still = np.concatenate([start[np.newaxis], np.zeros((like - 1, k, n))])
-        inverse = inverse_of(equations(still, exactly)[1].c[0])
+        inverse = inverses(np.moveaxis(equations(still, exactly)[1].c[0], -1, 0))
         c = series(inverse, lambda c: equations(c, exactly)[0], start, like)
         c = np.where(np.isfinite(c).all(axis=(0, 1)), c, 0.0)
         open_by, J = equations(c, exactly)
