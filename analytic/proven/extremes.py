@@ -124,12 +124,9 @@ def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> tuple[Samples, 
     places = np.reshape(parts, (*attained.shape, 2)).transpose(2, 0, 1)
     bounds = np.array([[-most[0], attained[1]], [-attained[0], most[1]], *places])
     unsure = boxes.doubtful & ~boxes.fails
-    open_at = _first(boxes.low[unsure], boxes.high[unsure], apart)
-    if boxes.fails.any():
-        first_failing = np.where(boxes.fails, boxes.low, np.inf).argmin()
-        failing = float(boxes.low[first_failing]), float(boxes.high[first_failing])
-        open_at = min(open_at or failing, failing)
-    return bounds, open_at
+    several = (unsure, apart), (boxes.fails, -np.inf)  # of those that fail the first box alone
+    spans = (_first(boxes.low[some], boxes.high[some], gap) for some, gap in several)
+    return bounds, min((span for span in spans if span), default=None)
 
 
 def _first(begins: Samples, ends: Samples, apart: float) -> Span | None:

@@ -17,11 +17,8 @@ ROUGH = 2.0**-40  # of a pose: it is alone within that at least, so that roundin
 
 def stacked(models: Sequence[TaylorModel]) -> TaylorModel:
     """Models as one, of shape (k, n)."""
-    n = max(one.c.shape[-1] for one in models)
-    c, rest = np.empty((len(models[0].c), len(models), n)), np.empty((len(models), n))
-    for i, one in enumerate(models):
-        c[:, i], rest[i] = one.c, one.rest
-    return TaylorModel(c, rest)
+    c, rest = (np.broadcast_arrays(*each) for each in zip(*((one.c, one.rest) for one in models), strict=True))
+    return TaylorModel(np.stack(c, axis=1), np.stack(rest))
 
 
 def _times(matrix: Samples, x: TaylorModel) -> TaylorModel:

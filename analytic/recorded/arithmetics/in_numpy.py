@@ -81,21 +81,15 @@ class _Code:
     def __init__(self, expressions: Sequence[Expression], known: Mapping[int, str]) -> None:
         order = needed(expressions, known)
         self.last = {one.order: made.order for made in order if made.order not in known for one in made.operands}
-        self.rows: dict[int, int] = {}
-        for row, expression in enumerate(expressions):
-            self.rows.setdefault(expression.order, row)
+        self.rows = {one.order: row for row, one in reversed([*enumerate(expressions)])}
         self.lines = ["def evaluate(given, row):", "    shape = row.shape[1:]"]
         self.methods: dict[str, NewtonsMethod] = {}
-        self.free: list[str] = []
-        self.arrays = 0
+        self.free: list[str] = []  # arrays
         names = walk(order, self.write, {at: f"given[{name!r}]" for at, name in known.items()})
-        for row, expression in enumerate(expressions):
-            name = names[expression.order]
-            if name not in (f"row[{row}]", "0.0"):
-                self.lines.append(f"    row[{row}] = {name}")
+        wanted = ((row, names[one.order]) for row, one in enumerate(expressions))
+        self.lines += [f"    row[{row}] = {name}" for row, name in wanted if name not in (f"row[{row}]", "0.0")]
 
     def write(self, made: Expression, of: Sequence[str]) -> str:
-        """Write an operation."""
         name = self._value(made, of)
         ended = (text for one, text in zip(made.operands, of, strict=True) if self.last[one.order] == made.order)
         self.free += sorted({text for text in ended if text.startswith("a") and text[1:].isdecimal()})
@@ -118,19 +112,16 @@ class _Code:
         spelled = SIGNS.get(operation, f"np.{operation}({arguments})").format(*of)
         if not made.sampled or operation in OF_FEWER:
             return self._kept(name, spelled)
-        target = f"row[{self.rows[made.order]}]" if made.order in self.rows else self._array()
+        if made.order in self.rows:
+            target = f"row[{self.rows[made.order]}]"
+        else:
+            target = self.free.pop() if self.free else self._kept(f"a{made.order}", "np.empty(shape)")
         self.lines.append(f"    np.{operation}({arguments}, out={target})")
         return target
 
     def _kept(self, name: str, text: str) -> str:
         self.lines.append(f"    {name} = {text}")
         return name
-
-    def _array(self) -> str:
-        if self.free:
-            return self.free.pop()
-        self.arrays += 1
-        return self._kept(f"a{self.arrays}", "np.empty(shape)")
 
 
 def solutions(shape: tuple[int, ...], entries: Sequence[Samples | float]) -> Samples:
