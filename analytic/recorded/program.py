@@ -182,11 +182,11 @@ class RecordedPass(Pass):
             slide = self.scene.slides[joint.slider]
             u_on = frames[joint.on][1]
             away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
-            offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)
+            D = (u_on * as_complex(slide.along)).conjugate() * away  # along the guide, and across it
+            offsets.append(D.imag)
             turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
             if group.drive is not None and self.scene.drive.body == joint.slider:
-                along = ((u_on * as_complex(slide.along)).conjugate() * away).real
-                driven = [along - self.driven.position]
+                driven = [D.real - self.driven.position]
         if group.drive is not None and self.scene.driven_slide is None:
             (_, u), (_, u_on) = (frames[name] for name in group.drive)
             driven = [((u_on * np.exp(1j * self.driven.position)).conjugate() * u).imag]

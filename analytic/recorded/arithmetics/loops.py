@@ -25,7 +25,8 @@ class Loop:
     def __init__(self, expressions: Sequence[Expression], language: Language, early: Container[str] = ()) -> None:
         """Write them; `early` are functions of inputs that are given as these are."""
         self.language = language
-        self.given = [one for one in needed(expressions) if _is_given(one, early)]
+        of_inputs = ((one, one.of[0] if one.operation in early else one) for one in needed(expressions) if one.sampled)
+        self.given = [one for one, of in of_inputs if of.operation == "input"]
         known = {one.order: f"e{one.order}" for one in self.given}
         order = needed(expressions, known)
         uses = Counter(of.order for one in order for of in one.operands)
@@ -34,10 +35,8 @@ class Loop:
         self.inside = once - {one.order for one in expressions}
         self.numbers: list[str] = []  # the inputs that are numbers, in order
         self.of_number: list[str] = []
-        places = enumerate(self.given)
-        self.of_position = [
-            language.statement.format(known[one.order], language.given.format(place)) for place, one in places
-        ]
+        given = map(language.given.format, range(len(known)))
+        self.of_position = [*map(language.statement.format, known.values(), given)]
         names = walk(order, self.write, known)
         self.values = [names[one.order] for one in expressions]
 
@@ -57,8 +56,3 @@ class Loop:
                     return text
         (self.of_position if made.sampled else self.of_number).append(self.language.statement.format(name, text))
         return name
-
-
-def _is_given(one: Expression, early: Container[str]) -> bool:
-    of = one.of[0] if one.operation in early else one
-    return bool(one.sampled and of.operation == "input")
