@@ -29,7 +29,7 @@ from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
 from ..core.rubbing_joints import FrictionBalance
-from .expressions import Closing, Expression, Inputs, Recorder, needed
+from .expressions import Closing, Expression, Inputs, Recorder
 from .forward import forward
 from .traced import Traced, traced
 
@@ -152,8 +152,8 @@ class RecordedPass(Pass):
         closed = self.closed[group] = make.closed(closing, [*given, size, *closing.outer])
         q = [make.component(closed, i) for i in range(len(begin))]
         closing.at_zero = self.constraints(group, q)
-        dq = self.changes(q, self.by_time)
-        ddq = self.changes(dq, self.by_time)
+        dq = forward(make, q, self.by_time)
+        ddq = forward(make, dq, self.by_time)
         k.jacobian[group.P] = closing.at_zero[1]  # type: ignore[assignment]
         a_number: Any = Traced(make, make("less_equal", q[0], q[0]))
         k.reach[group.P] = chosen(a_number, 1.0, -1.0)
@@ -192,7 +192,7 @@ class RecordedPass(Pass):
             driven = [((u_on * np.exp(1j * self.driven.position)).conjugate() * u).imag]
         others = (traced(self.make, x).x for x in (*offsets, *turns, *driven))
         C = [*(gap.x for gap in gaps), *(gap.y for gap in gaps), *others]
-        columns = [self.changes(C, {one: self.make.constant(1.0)}) for one in q]
+        columns = [forward(self.make, C, {one: self.make.constant(1.0)}) for one in q]
         return C, [entry for row in zip(*columns, strict=True) for entry in row]
 
     def frames(self, group: Group, q: Sequence[Expression]) -> dict[str, tuple[Any, Any]]:
@@ -206,11 +206,6 @@ class RecordedPass(Pass):
             if name in self.scene.bodies:
                 frames[name] = self.fixed(name, self.linkage.bodies[name].first)[0], self.k.u[name]
         return frames
-
-    def changes(self, of: Sequence[Expression], given: dict[Expression, Expression]) -> list[Expression]:
-        """The changes of expressions."""
-        d = forward(self.make, needed(of, {one.order for one in given}), given)
-        return [d.get(one.order, self.make.constant(0.0)) for one in of]
 
 
 class RecordedBalance(FrictionBalance):
