@@ -151,8 +151,7 @@ class Boxes:
             beside = np.abs(c[3:] - c[3:, [best]]).sum(axis=0)
             near = ~(top + off + beside < known[best])
             most = np.max((top + off + beside)[near])
-            cut = low[near] + (high - low)[near] * (np.arange(PARTS + 1)[:, np.newaxis] / PARTS)
-            low, high = cut[:-1].ravel(), cut[1:].ravel()
+            low, high = cut(low[near], high[near], PARTS)
         end = point((known[best] + most) / 2, self.like, (most - known[best]) * (0.5 + LAST_PLACE) + LAST_PLACE)
         end.c[3:] = c[3:, [best]]
         return TaylorModel(closing * end.c, end.rest)
@@ -188,6 +187,13 @@ class Boxes:
             found[name] = point(middle, self.like)
             found[name].c[1:3] = (last - first) / 2, (last + first) / 2 - middle
         return found
+
+
+def cut(low: Samples, high: Samples, parts: int) -> tuple[Samples, Samples]:
+    """Boxes cut into equal parts, by their ends, shape (n,), with nothing left between: shape (parts n,)."""
+    ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
+    ends[-1] = high
+    return ends[:-1].ravel(), ends[1:].ravel()
 
 
 def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:

@@ -13,7 +13,7 @@ import numpy as np
 from scenes.model.motion import Samples
 
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_most
-from .boxes import FIRST, Boxes, Numbers
+from .boxes import FIRST, Boxes, Numbers, cut
 from .branches import LEAST
 
 AT_ONCE = 256  # boxes, which take about as long as a single one
@@ -100,10 +100,7 @@ def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
         if not len(low):
             every = _Boxes(*(np.concatenate(each, axis=-1) for each in zip(*done, strict=True)))
             return _enclosed(every, attained, LEAST * way)
-        parts = int(np.clip(AT_ONCE // len(low), FEWEST, MOST))
-        ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
-        ends[-1] = high
-        low, high = ends[:-1].ravel(), ends[1:].ravel()
+        low, high = cut(low, high, int(np.clip(AT_ONCE // len(low), FEWEST, MOST)))
 
 
 def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
