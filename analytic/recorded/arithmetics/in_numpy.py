@@ -1,6 +1,6 @@
 """Recorded expressions as NumPy calls, one an operation, whose results are in few arrays that stay in cache."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import inf, isqrt, nan
 from types import MappingProxyType
 from typing import Any
@@ -52,12 +52,11 @@ class NewtonsMethod:
         closes &= np.linalg.slogdet(self._equations(q, outer)[1])[0].reshape(shape) == branch
         return np.moveaxis(np.where(closes[..., np.newaxis], q, np.nan), -1, 0)
 
-    def correction(self, outer: Iterable[Any]) -> Correction:
+    def correction(self, outer: Sequence[Any] | Samples) -> Correction:
         """That of the coordinates, shape (m, n, k), by their equations."""
-        given = list(outer)
-        return lambda q: solved(*reversed(self._equations(q, given))).reshape(q.shape)
+        return lambda q: solved(*reversed(self._equations(q, outer))).reshape(q.shape)
 
-    def _equations(self, q: Samples, outer: Iterable[Any]) -> tuple[Samples, Samples]:
+    def _equations(self, q: Samples, outer: Sequence[Any] | Samples) -> tuple[Samples, Samples]:
         """C and J of every position, shape (m n, k) and (m n, k, k)."""
         *shape, k = q.shape
         rows = np.zeros((k + k * k, *shape))

@@ -114,7 +114,7 @@ def test_no_value_of_many_random_linkages_escapes(tmp_path: Path) -> None:
 def test_boxes_that_are_cut_leave_nothing_between() -> None:
     """The last part ends where the box does: low + (high - low) is less, or more, where the box is about zero."""
     ends = np.sort(np.random.default_rng(6).uniform(-3, 3, (2, 1000)), axis=0)
-    low, high = (of.reshape(64, -1) for of in cut(*ends, 64))
+    low, high = (of.reshape(64, -1) for of in cut(ends[0], ends[1], 64))
     assert np.array_equal(low, [ends[0], *high[:-1]])
     assert np.array_equal(high[-1], ends[1])
 
