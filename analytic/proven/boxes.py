@@ -160,18 +160,15 @@ class Boxes:
         middle = (low + high) / 2
         way = point(middle, self.like)
         way.c[1] = np.maximum(high - middle, middle - low)
-        drive, given = self.scene.drive, dict[str, TaylorModel]()
+        drive = self.scene.drive
         if isinstance(drive, ConstantSpeed):
-            turned = way - self.numbers["drive.start"]
-            given = {"position": way, "time": turned / self.numbers["drive.speed"]}
+            given = {"position": way, "time": (way - self.numbers["drive.start"]) / self.numbers["drive.speed"]}
             at = Driven(middle, np.ones(()), np.zeros(()))
         else:
             given = {**driven(drive.pieces, way, middle)._asdict(), "time": way}
             at = drive.at(middle)
-        given |= self._guesses(at, low, high)
-        for name, winding in self.core.windings.items():
-            given[name] = point(winding(at.position), self.like)
-        return given
+        wound = {name: point(winding(at.position), self.like) for name, winding in self.core.windings.items()}
+        return {**given, **self._guesses(at, low, high), **wound}
 
     def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
         """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""

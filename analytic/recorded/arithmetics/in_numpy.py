@@ -89,12 +89,9 @@ class _Code:
         self.lines += [f"    row[{row}] = {name}" for row, name in wanted if name not in (f"row[{row}]", "0.0")]
 
     def write(self, made: Expression, of: Sequence[str]) -> str:
-        name = self._value(made, of)
+        """Write an operation, whose result may take the place of what it is the last to need."""
         ended = (text for one, text in zip(made.operands, of, strict=True) if self.last[one.order] == made.order)
         self.free += sorted({text for text in ended if text.startswith("a") and text[1:].isdecimal()})
-        return name
-
-    def _value(self, made: Expression, of: Sequence[str]) -> str:
         arguments, operation, name = ", ".join(of), made.operation, f"v{made.order}"
         match operation:
             case "constant":
