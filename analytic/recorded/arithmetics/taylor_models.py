@@ -133,9 +133,8 @@ def parabola_most(c: Samples) -> Samples:
 def hull(low: Samples, high: Samples, like: int) -> TaylorModel:
     """What lies between bounds, shape (n,)."""
     middle = (low + high) / 2
-    return point(
-        np.where(np.isfinite(middle), middle, 0.0), like, (np.maximum(high - middle, middle - low)) * UP + TINY
-    )
+    off = np.maximum(high - middle, middle - low) * UP + TINY
+    return point(np.where(np.isfinite(middle), middle, 0.0), like, off)
 
 
 def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorModel:
