@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -104,7 +104,10 @@ def many_solver(
         wound = solver(scene, program.request.channels).windings if scene.torsion_springs else {}
     except Failure:
         tracks, wound = None, {}
-    ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
+    given = numbers
+    if at_hand is not None:  # which may be of what does not differ too
+        given = {path: np.full((count, 1), number.value) for path, number in many.numbers.items()}
+    ends = {} if tracks is None else _stroke_ends(many, program, given, tracks)
     return ManySolver(scene, program, line, numbers, ends, tracks, failed, count, wound)
 
 
@@ -219,18 +222,20 @@ def _stroke_ends(
     many: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
 ) -> dict[str, Samples]:
     """Where each machine's closing strokes end, m, shape (m, 1), by the load's place; none where no force is wanted."""
-    known = {path: number.value for path, number in many.numbers.items()}  # what a line at hand may be of besides
     parts = [slice(first, first + TOGETHER) for first in range(0, max(len(tracks), 1), TOGETHER)]
 
     def displaced(line: Line, rows: slice, way: Samples) -> Samples:
         machine = {path: values[rows] for path, values in numbers.items()}
-        return line({**known, **machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
+        return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
 
-    ends = {}
+    ends, found = dict[str, Samples](), dict[Any, Samples]()  # several forces on one slider have one
     for place, load in many.elements:
         if isinstance(load, PressForce) and place in program.strokes:
-            line = StraightLine(program.strokes[place])
             each = [np.broadcast_to(one, (len(tracks), 1)) for one in (load.closing, *many.drive.extent)]
-            of_parts = [furthest(partial(displaced, line, rows), *(one[rows] for one in each)) for rows in parts]
-            ends[place] = np.concatenate(of_parts)[:, np.newaxis]
+            stroke = program.strokes[place], each[0].tobytes()
+            if stroke not in found:
+                move = partial(displaced, StraightLine(stroke[0]))
+                of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
+                found[stroke] = np.concatenate(of_parts)[:, np.newaxis]
+            ends[place] = found[stroke]
     return ends
