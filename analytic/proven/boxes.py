@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import partial, reduce
 from itertools import zip_longest
-from math import inf
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,11 +23,12 @@ from scenes.scene import PressForce
 from ..channels import all_channels
 from ..core.decomposition import decompose
 from ..core.groups.group_equations import Group
-from ..recorded.arithmetics.box_equations import picked, stacked
+from ..recorded.arithmetics.box_equations import stacked
 from ..recorded.arithmetics.box_line import BoxLine
 from ..recorded.arithmetics.taylor_models import TaylorModel, joined, parabola_most, point
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
+from ..recorded.traced import Traced
 from ..solve import prepared
 from .branches import ROOM, Branches, branches
 
@@ -70,15 +70,12 @@ class Boxes:
         make, rows = self.program.make, dict(self.program.channels)
         for name, (x, y) in lengths.items():
             if x in rows and y in rows:
-                rows[name] = make(
-                    "sqrt", make("add", make("multiply", rows[x], rows[x]), make("multiply", rows[y], rows[y]))
-                )
+                rows[name] = abs(Traced(make, rows[x], rows[y])).x
         if angles and rows.keys() >= {*angles}:
             rows[TRANSMISSION] = reduce(partial(make, "minimum"), [rows[angle] for angle in angles])
         self.names = [name for name in rows if names is None or name in names]
         units = [UNITS[quantity(name)] for name in self.names]
-        kinds = [unit.partition("*")[0] for unit in units]
-        self.kinds: Numbers = np.array([kinds.index(kind) for kind in kinds], np.intp)
+        self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
         self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
         self.most = MOST // SLOWER if self.core.linkage.tracks else MOST
         self.numbers: dict[str, TaylorModel] = {}
@@ -97,8 +94,7 @@ class Boxes:
         for place, load in scene.elements:
             if isinstance(load, PressForce) and place in self.program.strokes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
-        wanted = [rows[name] for name in self.names] + conditions(self.program.reach)
-        self._line = self._line_of(wanted)
+        self._line = self._line_of([*(rows[name] for name in self.names), *self.program.conditions])
         self._choices = self._line_of([*self.program.make.choices.values()])
 
     def __call__(self, low: Samples, high: Samples) -> tuple[TaylorModel, Numbers]:
@@ -110,8 +106,8 @@ class Boxes:
         given, own = self.given(low, high), np.arange(len(low))
         if self.program.make.choices:
             made, own = _chosen(self._over(self._choices, low, high, given))
-            given = {name: picked(one, own) for name, one in given.items()}
-            given |= {name: picked(made, row) for row, name in enumerate(self.program.make.choices)}
+            given = {name: one[own] for name, one in given.items()}
+            given |= {name: made[row] for row, name in enumerate(self.program.make.choices)}
         return self._over(self._line, low[own], high[own], given), own
 
     def divided(self, count: int) -> tuple[Samples, Samples]:
@@ -131,12 +127,12 @@ class Boxes:
         """The models of a line's rows, all of all boxes; none where a larger group may be on another branch."""
         given, parts = given or self.given(low, high), []
         for first in range(0, len(low), BLOCK):
-            here = {name: picked(one, slice(first, first + BLOCK)) for name, one in given.items()}
+            here = {name: one[first : first + BLOCK] for name, one in given.items()}
             boxes = point(np.zeros(len(here["position"].rest)), self.like)
             parts.append(stacked([*line(here), boxes]))
-        every = picked(joined(parts), slice(-1))
+        every = joined(parts)[:-1]
         if self.branches is not None:
-            rows, poses = (picked(every, part) for part in np.split(np.arange(len(every.rest)), [-len(self.poses)]))
+            rows, poses = (every[part] for part in np.split(np.arange(len(every.rest)), [-len(self.poses)]))
             known = self.branches.have(poses, low, high) | ~np.isfinite(poses.rest).any(axis=0)
             every = TaylorModel(rows.c, np.where(known, rows.rest, np.nan))
         return every
@@ -154,8 +150,7 @@ class Boxes:
             beside = np.abs(c[3:] - c[3:, [best]]).sum(axis=0)
             near = ~(top + off + beside < known[best])
             most = np.max((top + off + beside)[near])
-            cut = low[near] + (high - low)[near] * (np.arange(PARTS + 1)[:, np.newaxis] / PARTS)
-            low, high = cut[:-1].ravel(), cut[1:].ravel()
+            low, high = cut(low[near], high[near], PARTS)
         end = point((known[best] + most) / 2, self.like, (most - known[best]) * (0.5 + LAST_PLACE) + LAST_PLACE)
         end.c[3:] = c[3:, [best]]
         return TaylorModel(closing * end.c, end.rest)
@@ -165,18 +160,15 @@ class Boxes:
         middle = (low + high) / 2
         way = point(middle, self.like)
         way.c[1] = np.maximum(high - middle, middle - low)
-        drive, given = self.scene.drive, dict[str, TaylorModel]()
+        drive = self.scene.drive
         if isinstance(drive, ConstantSpeed):
-            turned = way - self.numbers["drive.start"]
-            given = {"position": way, "time": turned / self.numbers["drive.speed"]}
+            given = {"position": way, "time": (way - self.numbers["drive.start"]) / self.numbers["drive.speed"]}
             at = Driven(middle, np.ones(()), np.zeros(()))
         else:
             given = {**driven(drive.pieces, way, middle)._asdict(), "time": way}
             at = drive.at(middle)
-        given |= self._guesses(at, low, high)
-        for name, winding in self.core.windings.items():
-            given[name] = point(winding(at.position), self.like)
-        return given
+        wound = {name: point(winding(at.position), self.like) for name, winding in self.core.windings.items()}
+        return {**given, **self._guesses(at, low, high), **wound}
 
     def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
         """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""
@@ -193,6 +185,13 @@ class Boxes:
         return found
 
 
+def cut(low: Samples, high: Samples, parts: int) -> tuple[Samples, Samples]:
+    """Boxes cut into equal parts, by their ends, shape (n,), with nothing left between: shape (parts n,)."""
+    ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
+    ends[-1] = high
+    return ends[:-1].ravel(), ends[1:].ravel()
+
+
 def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     """Each of the whole numbers that some may be, shape (rows, n), where they are not too many, and of which box."""
     least, most = np.ceil(numbers.range[0]), np.floor(numbers.range[1])
@@ -205,13 +204,6 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     c = np.where(known, 0.0, numbers.c[:, :, own])
     c[0] = np.where(known, values, c[0])
     return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, own])), own
-
-
-def conditions(reach: Expression) -> list[Expression]:
-    """What has to be positive for the least of it to be."""
-    if reach.operation == "minimum":
-        return [one for of in reach.of for one in conditions(of)]
-    return [] if reach.of == (inf,) else [reach]  # a crank alone always reaches
 
 
 def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> Any:

@@ -39,7 +39,7 @@ class Branches:
         end = np.searchsorted(self.low, high)
         unknown = np.append(0, np.cumsum(np.isnan(self.poses.rest).any(axis=0)))
         half, off = ((self.high[own] + sign * self.low[own]) / 2 for sign in (-1, 1))
-        same = _same(self.poses.of(own), (middle - off) / half, poses, 0.0, 1.0, np.abs(middle) / half)
+        same = _same(self.poses[..., own], (middle - off) / half, poses, 0.0, 1.0, np.abs(middle) / half)
         return same & (unknown[end] == unknown[first])
 
 
@@ -60,7 +60,7 @@ def branches(
     """
     (low, high), found = boxes, poses(*boxes)
     while True:
-        after = found.of(np.roll(np.arange(len(low)), -1))
+        after = found[..., np.roll(np.arange(len(low)), -1)]
         meets = _same(found, 1.0, after, -1.0, ROOM)
         meets[-1] |= not periodic
         closed, none = np.isfinite(found.rest).all(axis=0), np.isinf(found.rest).any(axis=0)
@@ -72,7 +72,7 @@ def branches(
         halves = np.append(low[divided], middle), np.append(middle, high[divided])
         low, high = (np.append(x[~divided], half) for x, half in zip((low, high), halves, strict=True))
         order = np.argsort(low)
-        low, high, found = low[order], high[order], joined([found.of(~divided), poses(*halves)]).of(order)
+        low, high, found = low[order], high[order], joined([found[..., ~divided], poses(*halves)])[..., order]
 
 
 def _same(x: TaylorModel, s: Any, y: TaylorModel, r: float, room: float, slip: Any = 0.0) -> Any:

@@ -13,7 +13,7 @@ import numpy as np
 from scenes.model.motion import Samples
 
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_most
-from .boxes import FIRST, Boxes, Numbers
+from .boxes import FIRST, Boxes, Numbers, cut
 from .branches import LEAST
 
 AT_ONCE = 256  # boxes, which take about as long as a single one
@@ -100,10 +100,7 @@ def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
         if not len(low):
             every = _Boxes(*(np.concatenate(each, axis=-1) for each in zip(*done, strict=True)))
             return _enclosed(every, attained, LEAST * way)
-        parts = int(np.clip(AT_ONCE // len(low), FEWEST, MOST))
-        ends = low + (high - low) * (np.arange(parts + 1)[:, np.newaxis] / parts)
-        ends[-1] = high
-        low, high = ends[:-1].ravel(), ends[1:].ravel()
+        low, high = cut(low, high, int(np.clip(AT_ONCE // len(low), FEWEST, MOST)))
 
 
 def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
@@ -124,12 +121,9 @@ def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> tuple[Samples, 
     places = np.reshape(parts, (*attained.shape, 2)).transpose(2, 0, 1)
     bounds = np.array([[-most[0], attained[1]], [-attained[0], most[1]], *places])
     unsure = boxes.doubtful & ~boxes.fails
-    open_at = _first(boxes.low[unsure], boxes.high[unsure], apart)
-    if boxes.fails.any():
-        first_failing = np.where(boxes.fails, boxes.low, np.inf).argmin()
-        failing = float(boxes.low[first_failing]), float(boxes.high[first_failing])
-        open_at = min(open_at or failing, failing)
-    return bounds, open_at
+    several = (unsure, apart), (boxes.fails, -np.inf)  # of those that fail the first box alone
+    spans = (_first(boxes.low[some], boxes.high[some], gap) for some, gap in several)
+    return bounds, min((span for span in spans if span), default=None)
 
 
 def _first(begins: Samples, ends: Samples, apart: float) -> Span | None:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scenes.model.motion import Samples
 
 from ..core.groups.group_equations import Complex, FramePoses, GroupEquations, coordinates
-from ..recorded.arithmetics.box_equations import inverse_of
+from ..recorded.arithmetics.box_equations import inverses
 
 PARTS = 4  # of the range of each unknown, to begin with
 LEAST = 2.0**-24  # of that range: where two poses meet no box decides
@@ -142,7 +142,7 @@ def _may(loops: Loops, y: Samples, rho: Samples, slack: float) -> Any:
     F, J, arms = loops.at(y)
     bend = loops.bend(arms, np.broadcast_to(rho, y.shape)) @ rho / 2 + slack
     may = (np.abs(F) <= np.abs(J) @ rho + bend).all(axis=1)
-    inverse = _inverse(J)
+    inverse = inverses(J)
     off, more = np.abs(np.einsum("nij,nj->ni", inverse, F)), np.einsum("nij,nj->ni", np.abs(inverse), bend)
     return may & ~(off > rho + more).any(axis=1)
 
@@ -152,13 +152,9 @@ def _alone(loops: Loops, y: Samples, rho: Samples) -> tuple[Samples, Any]:
     at = y
     for _ in range(STEPS):
         F, J, arms = loops.at(at)
-        at = at - np.einsum("nij,nj->ni", _inverse(J), F)
+        at = at - np.einsum("nij,nj->ni", inverses(J), F)
     F, J, arms = loops.at(at)
-    inverse, around = _inverse(J), np.abs(at - y) + rho
+    inverse, around = inverses(J), np.abs(at - y) + rho
     off = np.abs(np.einsum("nij,nj->ni", inverse, F))
     moved = np.einsum("nij,njk,nk->ni", np.abs(inverse), loops.bend(arms, around), around)
     return at, (off + moved < around * (1 - SAME)).all(axis=1)
-
-
-def _inverse(J: Samples) -> Samples:
-    return inverse_of(np.moveaxis(J, 0, -1))

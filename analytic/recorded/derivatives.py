@@ -13,7 +13,7 @@ from scenes.model.motion import Samples
 
 from ..solve import driven_at, solver
 from .arithmetics.in_numpy import StraightLine
-from .expressions import needed
+from .expressions import Expression
 from .forward import forward
 from .program import inputs_at, recorded
 from .traced import traced
@@ -46,6 +46,7 @@ def derivatives(
     return derivative_solver(scene, numbers, channels)(position, time)
 
 
+@np.errstate(all="ignore")  # of constants
 def derivative_solver(
     scene: Scene, numbers: Sequence[str], channels: AbstractSet[str] | None = None
 ) -> Callable[..., Mapping[str, Samples]]:
@@ -53,14 +54,14 @@ def derivative_solver(
     solve = solver(scene, channels)
     keys = [at_path(scene, path) for path in names("numbers", numbers)]
     program = recorded(scene, {*keys}, channels)
-    make, order, rows = program.make, needed(program.channels.values()), []
+    make, wanted, rows = program.make, [*program.channels.values()], list[Expression]()
     zero, instant = make.constant(0.0), make.input("time", sampled=True)
     follows = make.input("time follows", sampled=False)  # 1 where it is not given
     rate = make("negative", make("divide", follows, traced(make, getattr(program.scene.drive, "speed", 1.0)).x))
     by_drive = {"drive.start": rate, "drive.speed": make("multiply", instant, rate)}  # of (position - start) / speed
     for key in keys:
-        d = forward(make, order, {program.numbers[key]: make.constant(1.0), instant: by_drive.get(key, zero)})
-        rows += [d.get(made.order, zero) for made in program.channels.values()]
+        given = {make.input(key, sampled=False): make.constant(1.0), instant: by_drive.get(key, zero)}
+        rows += forward(make, wanted, given)
     line = StraightLine([*rows, program.reach])
     values = {key: scene.numbers[key].value for key in keys}
     units = np.array([scene.size(scene.numbers[key]) for key in keys])[:, np.newaxis]

@@ -6,35 +6,16 @@ An arithmetic is one file in `arithmetics`: how operations are spelled, and what
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, floor, inf, sin, sqrt, tanh
-from operator import add, mul, neg, sub, truediv
+from math import inf
 from typing import Any, TypeAlias
+
+import numpy as np
 
 from scenes.model.motion import Samples
 
 Inputs: TypeAlias = Mapping[str, Samples | float]  # by name: numbers, (m, 1) of m machines, samples (n,) or (m, n)
 Line: TypeAlias = Callable[[Inputs], Samples]  # that runs: the values of its expressions, shape (expressions, m, n)
 
-OPERATIONS: Mapping[str, Callable[..., float]] = {
-    "add": add,
-    "subtract": sub,
-    "multiply": mul,
-    "divide": truediv,
-    "negative": neg,
-    "absolute": abs,
-    "sqrt": sqrt,
-    "sin": sin,
-    "cos": cos,
-    "floor": floor,
-    "tanh": tanh,
-    "arctan2": atan2,
-    "minimum": min,
-    "maximum": max,
-    "less": lambda a, b: float(a < b),
-    "less_equal": lambda a, b: float(a <= b),
-    "where": lambda condition, yes, no: yes if condition else no,
-    "within": lambda value, _: value,
-}
 SIGNS: Mapping[str, str] = {  # spelled alike wherever there are signs; the others are functions
     "add": "({} + {})",
     "subtract": "({} - {})",
@@ -48,7 +29,7 @@ SIGNS: Mapping[str, str] = {  # spelled alike wherever there are signs; the othe
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Expression:
-    """An operation on others; or a number in the place of the operation's name, or an input by its name and kind."""
+    """An operation on others by the name of NumPy's function; or a number, an input by its name, and the like."""
 
     order: int  # of making: what an expression needs comes before it
     operation: str
@@ -106,8 +87,8 @@ class Recorder:
     def __call__(self, operation: str, *of: Expression) -> Expression:
         """Return an operation on expressions, in its simplest form."""
         known = [expression.of[0] if expression.operation == "constant" else None for expression in of]
-        if None not in known:
-            return self.constant(OPERATIONS[operation](*known))
+        if None not in known and operation != "within":
+            return self.constant(getattr(np, operation)(*known))
         match operation, known:
             case ("add", [0.0, _]) | ("multiply", [1.0, _]):
                 return of[1]
@@ -189,17 +170,6 @@ def needed(expressions: Iterable[Expression], known: Container[int] = ()) -> lis
             order[expression.order] = expression
             ahead += expression.operands if expression.order not in known else ()
     return [order[place] for place in sorted(order)]
-
-
-def substituted(
-    make: Recorder, expressions: Sequence[Expression], instead: Mapping[Expression, Expression]
-) -> list[Expression]:
-    """Expressions with others in the place of some that they are made of."""
-    new = {old.order: one for old, one in instead.items()}
-    for one in needed(expressions):
-        if one.order not in new and any(of.order in new for of in one.operands):
-            new[one.order] = make(one.operation, *(new.get(of.order, of) for of in one.operands))
-    return [new.get(one.order, one) for one in expressions]
 
 
 def walk(

@@ -10,7 +10,7 @@ from scenes import Failure, InputError, Scene, Status
 from ..solve import Solver, solver
 from .arithmetics.in_numpy import StraightLine
 from .arithmetics.machine_code import COMPILES, MachineCode, operations
-from .many import Machines, ManySolver, many_by, many_solver
+from .many import Machines, ManySolver, many_solver
 from .program import recorded
 
 LARGEST = 1000  # operations, of which machine code is made in some 4 s; of twice as many in three times that
@@ -59,7 +59,5 @@ class FastSolver(Solver):
 
     def many_solver(self, changes: Mapping[str, ArrayLike]) -> ManySolver:
         """Return `many` for many calls, with what it raises."""
-        own = self.at_hand
-        if own is not None and isinstance(own[1], MachineCode):
-            return many_by(lambda _: own, self.scene, changes)
-        return many_solver(self.scene, changes, self.request.channels)
+        all_open = self.at_hand is not None and isinstance(self.at_hand[1], MachineCode)
+        return many_solver(self.scene, changes, self.request.channels, self.at_hand if all_open else None)

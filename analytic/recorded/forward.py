@@ -6,13 +6,11 @@ from math import isqrt
 from .expressions import Expression, Recorder, needed
 
 
-def forward(
-    make: Recorder, order: Sequence[Expression], given: Mapping[Expression, Expression]
-) -> dict[int, Expression]:
-    """Return the changes of expressions, each after what it is of, by order of making, while some change as given."""
+def forward(make: Recorder, of: Sequence[Expression], given: Mapping[Expression, Expression]) -> list[Expression]:
+    """Return the changes of expressions while some that they are made of change as given."""
     zero = make.constant(0.0)
     d = {expression.order: change for expression, change in given.items()}
-    for expression in order:
+    for expression in needed(of, d):
         if expression.order not in d and any(one.order in d for one in expression.operands):
             if expression.operation == "closed":
                 change = _closed(make, expression, d)
@@ -20,17 +18,14 @@ def forward(
                 change = _rule(make, expression, [d.get(one.order, zero) for one in expression.operands])
             if change is not zero:
                 d[expression.order] = change
-    return d
+    return [d.get(expression.order, zero) for expression in of]
 
 
 def _closed(make: Recorder, closed: Expression, d: Mapping[int, Expression]) -> Expression:
     """What coordinates change by at which C = 0 stays so: J dq = -dC, by the implicit function theorem."""
-    zero = make.constant(0.0)
     C, J = closed.of[0].at_zero
-    order = needed(C)
-    given = {one: d[one.order] for one in order if one.order in d} | {closed: zero}
-    at_rest = forward(make, order, given)
-    return make.system(J, [make("negative", at_rest.get(one.order, zero)) for one in C])
+    given = {one: d[one.order] for one in needed(C) if one.order in d} | {closed: make.constant(0.0)}
+    return make.system(J, [make("negative", change) for change in forward(make, C, given)])
 
 
 def _rule(make: Recorder, y: Expression, d: Sequence[Expression]) -> Expression:

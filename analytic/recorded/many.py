@@ -1,10 +1,9 @@
 """Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,)."""
 
-from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import lru_cache, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -19,19 +18,17 @@ from scenes.scene import PressForce
 from ..core.decomposition import decompose
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, equations_of
-from ..core.kinematics import kinematics
 from ..solve import Solver, driven_at, not_reached, prepared, solver, where_open
-from ..way.motion_range import in_line
+from ..way.motion_range import in_line, motion_at
 from ..way.slider import furthest
 from ..way.windings import Winding
 from .arithmetics.in_numpy import StraightLine
 from .branches import branches
-from .expressions import Expression, Line
+from .expressions import Line
 from .program import Program, inputs_at, recorded
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
 Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
-LINES: deque[Any] = deque(maxlen=4)  # block after block of machines of one scene are solved
 
 
 @dataclass(frozen=True)
@@ -86,40 +83,38 @@ def solve_many(
     return many_solver(scene, changes, channels)(position, time)
 
 
-def many_solver(
-    scene: Scene, changes: Mapping[str, ArrayLike], channels: AbstractSet[str] | None = None
-) -> "ManySolver":
-    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once."""
-    asked = None if channels is None else frozenset(names("channels", channels))
-    return many_by(partial(_line, scene, asked), scene, changes)
-
-
 @np.errstate(all="ignore")  # machines that no file could describe are named
-def many_by(
-    line_of: Callable[[frozenset[str]], tuple[Program, Line]], scene: Scene, changes: Mapping[str, ArrayLike]
+def many_solver(
+    scene: Scene,
+    changes: Mapping[str, ArrayLike],
+    channels: AbstractSet[str] | None = None,
+    at_hand: tuple[Program, Line] | None = None,
 ) -> "ManySolver":
-    """The same, given the line for the paths of the numbers that differ."""
+    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once.
+
+    Unless there is a line `at_hand`, of which all numbers that differ are open.
+    """
     numbers = numbers_of(scene, changes)
     many, count = scene.with_numbers(numbers), max(map(len, numbers.values()), default=1)
-    program, line = line_of(frozenset(numbers))
+    asked = None if channels is None else frozenset(names("channels", channels))
+    program, line = at_hand or _line(scene, frozenset(numbers), asked)
     failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
     try:
         tracks = branches(scene, program, numbers, count)
         wound = solver(scene, program.request.channels).windings if scene.torsion_springs else {}
     except Failure:
         tracks, wound = None, {}
-    ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
+    given = numbers
+    if at_hand is not None:  # which may be of what does not differ too
+        given = {path: np.full((count, 1), number.value) for path, number in many.numbers.items()}
+    ends = {} if tracks is None else _stroke_ends(many, program, given, tracks)
     return ManySolver(scene, program, line, numbers, ends, tracks, failed, count, wound)
 
 
-def _line(scene: Scene, channels: frozenset[str] | None, paths: frozenset[str]) -> tuple[Program, Line]:
-    """The line of a very scene, as it was recorded for the last block of machines."""
-    kept = (own for of, *key, own in LINES if of is scene and key == [paths, channels])
-    if (found := next(kept, None)) is None:
-        program = recorded(scene, paths, channels)
-        found = program, StraightLine(program.rows)
-        LINES.append((scene, paths, channels, found))
-    return found
+@lru_cache(maxsize=4)  # block after block of machines of one scene are solved
+def _line(scene: Scene, paths: frozenset[str], channels: frozenset[str] | None) -> tuple[Program, Line]:
+    program = recorded(scene, paths, channels)
+    return program, StraightLine(program.rows)
 
 
 @dataclass(frozen=True)
@@ -148,6 +143,7 @@ class ManySolver:
         samples = self.block(slice(0, self.count), position, time, failed)
         return Machines(samples, *told(failed, self.count))
 
+    @np.errstate(all="ignore")  # a speed of zero, which is refused
     def block(
         self, rows: slice, position: Samples, time: Samples | None, failed: dict[int, Ending]
     ) -> dict[str, Samples]:
@@ -156,13 +152,9 @@ class ManySolver:
         Their positions and instants have the shape (n,) or (rows, n).
         """
         numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
-        own: dict[str, Any] = {
-            name: numbers[f"drive.{name}"] for name in ("speed", "start") if f"drive.{name}" in numbers
-        }
         shape = (rows.stop - rows.start, position.shape[-1])
-        with np.errstate(all="ignore"):  # a speed of zero, which is refused
-            part = replace(self.scene, drive=replace(self.scene.drive, **own)) if own else self.scene
-            instants, driven = driven_at(part, position, time)
+        drive = {path: values for path, values in numbers.items() if path in ("drive.speed", "drive.start")}
+        instants, driven = driven_at(self.scene.with_numbers(drive), position, time)
         if self.tracks is None:
             filled = np.full((len(self.program.rows), *shape), np.nan)
         else:
@@ -181,8 +173,8 @@ class ManySolver:
                 left = {name: channels[name][row] for name in (self.program.own if fine[row] else channels)}
                 if ending := self._alone(machine, at, when, left, followed=bool(fine[row])):
                     failed.setdefault(machine, ending)
-        drive = {"time": instants, self.scene.drive_channel: position}
-        channels |= {name: np.broadcast_to(values, shape) for name, values in drive.items()}
+        given = {"time": instants, self.scene.drive_channel: position}
+        channels |= {name: np.broadcast_to(values, shape) for name, values in given.items()}
         return {name: channels[name] for name in self.program.names}
 
     def _alone(
@@ -195,15 +187,13 @@ class ManySolver:
         ending: Ending | None = None
         try:
             core = self.cores.get(machine) or self._core(machine, followed=followed)
-            with np.errstate(all="ignore"):
-                k = kinematics(core.scene, core.linkage, Driven(position, np.ones(()), np.zeros(())), rates=False)
-                reached = np.ones(position.shape, np.bool_)
-                for reach in k.reach.values():
-                    reached &= ~(reach < 0)
-                if (stop := not_reached(core.linkage, k, position)) is not None:
-                    why = f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
-                    ending = Status.cannot_assemble, why
-                motion = core(position[reached], time if time is None else time[reached])
+            k = motion_at(core.scene, core.linkage, position, rates=False)
+            reached = np.ones(position.shape, np.bool_)
+            for reach in k.reach.values():
+                reached &= ~(reach < 0)
+            if (stop := not_reached(core.linkage, k, position)) is not None:
+                ending = Status.cannot_assemble, f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
+            motion = core(position[reached], time if time is None else time[reached])
         except Failure as failure:  # the joints do not go together, or friction holds them
             return failure.status, failure.reason
         for channel, values in samples.items():
@@ -232,21 +222,20 @@ def _stroke_ends(
     many: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
 ) -> dict[str, Samples]:
     """Where each machine's closing strokes end, m, shape (m, 1), by the load's place; none where no force is wanted."""
-    count = len(tracks)
-    extent = [np.broadcast_to(end, (count, 1)) for end in many.drive.extent]
+    parts = [slice(first, first + TOGETHER) for first in range(0, max(len(tracks), 1), TOGETHER)]
 
-    @cache
-    def ends(stroke: tuple[Expression, Expression], closing: bytes) -> Samples:
-        line, signs = StraightLine(stroke), np.frombuffer(closing)[:, np.newaxis]
+    def displaced(line: Line, rows: slice, way: Samples) -> Samples:
+        machine = {path: values[rows] for path, values in numbers.items()}
+        return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
 
-        def displaced(rows: slice, way: Samples) -> Samples:
-            machine = {path: values[rows] for path, values in numbers.items()}
-            return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
-
-        some = [slice(first, first + TOGETHER) for first in range(0, max(count, 1), TOGETHER)]
-        parts = [furthest(partial(displaced, rows), *(each[rows] for each in (signs, *extent))) for rows in some]
-        return np.concatenate(parts)[:, np.newaxis]
-
-    presses = ((place, load.closing) for place, load in many.elements if isinstance(load, PressForce))
-    signs = {place: np.broadcast_to(closing, (count, 1)) for place, closing in presses if place in program.strokes}
-    return {place: ends(program.strokes[place], sign.astype(float).tobytes()) for place, sign in signs.items()}
+    ends, found = dict[str, Samples](), dict[Any, Samples]()  # several forces on one slider have one
+    for place, load in many.elements:
+        if isinstance(load, PressForce) and place in program.strokes:
+            each = [np.broadcast_to(one, (len(tracks), 1)) for one in (load.closing, *many.drive.extent)]
+            stroke = program.strokes[place], each[0].tobytes()
+            if stroke not in found:
+                move = partial(displaced, StraightLine(stroke[0]))
+                of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
+                found[stroke] = np.concatenate(of_parts)[:, np.newaxis]
+            ends[place] = found[stroke]
+    return ends

@@ -8,7 +8,8 @@ function theorem.
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
 from ..core.rubbing_joints import FrictionBalance
-from .expressions import Closing, Expression, Inputs, Recorder, needed, substituted
+from .expressions import Closing, Expression, Inputs, Recorder
 from .forward import forward
 from .traced import Traced, traced
 
@@ -44,11 +45,15 @@ class Program:
     scene: Scene  # with numbers as expressions
     linkage: Linkage  # with the same
     closed: Mapping[Group, Expression]  # the larger groups' coordinates
-    numbers: Mapping[str, Expression]
     channels: Mapping[str, Expression]
     strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
-    reach: Expression  # negative where a group does not reach, or its branch is open
+    conditions: Sequence[Expression]  # negative where a group does not reach, or its branch is open
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
+
+    @cached_property
+    def reach(self) -> Expression:
+        """The least of the conditions; of a crank alone, which always reaches, infinite."""
+        return reduce(partial(self.make, "minimum"), self.conditions, self.make.constant(inf))
 
     @cached_property
     def rows(self) -> list[Expression]:
@@ -62,6 +67,7 @@ class Program:
         return (*known, *(name for name in (*self.channels, *self.own) if name not in known))
 
 
+@np.errstate(all="ignore")  # of constants, as of samples
 def recorded(
     scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None, *, proven: bool = False
 ) -> Program:
@@ -98,15 +104,12 @@ def recorded(
             value = traced(make, take(k, on))
             parts = zip(names, (value.x, value.y), strict=False)
             expressions |= {name: part for name, part in parts if name in wanted}
-    least: Any = traced(make, np.inf)
-    for reach in k.reach.values():
-        least = np.minimum(least, reach)
-    for branch in (group.branch for group in every.groups if not isinstance(group, Group)):
-        if isinstance(branch, Traced):  # zero where the sketch leaves it open
-            least = np.minimum(least, chosen(branch * branch > 0, 1.0, -1.0))
+    branches = (group.branch for group in every.groups if not isinstance(group, Group))
+    # A branch is zero where the sketch leaves it open.
+    drawn = [chosen(branch * branch > 0, 1.0, -1.0) for branch in branches if isinstance(branch, Traced)]
+    conditions = [traced(make, one).x for one in (*k.reach.values(), *drawn)]
     left = frozenset(own if channels is None else own & channels)
-    by_path = {path: number.x for path, number in numbers.items()}
-    return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, left)
+    return Program(make, request, opened, linkage, way.closed, expressions, strokes, conditions, left)
 
 
 def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:
@@ -143,18 +146,15 @@ class RecordedPass(Pass):
         make, k = self.make, self.k
         begin, allowed, branch = inputs_of(group)
         unknowns = [make.input(f"{name} sought", sampled=True) for name in begin]
-        C = self.constraints(group, unknowns)
-        columns = [self.changes(C, {unknown: make.constant(1.0)}) for unknown in unknowns]
-        closing = Closing(unknowns, C, [entry for row in zip(*columns, strict=True) for entry in row])
+        closing = Closing(unknowns, *self.constraints(group, unknowns))
         size = traced(make, size_of(group, self.linkage.bodies)).x
         given = [*(make.input(name, sampled=True) for name in (*begin, allowed)), make.input(branch, sampled=False)]
         closed = self.closed[group] = make.closed(closing, [*given, size, *closing.outer])
         q = [make.component(closed, i) for i in range(len(begin))]
-        rows = substituted(make, [*closing.C, *closing.J], dict(zip(unknowns, q, strict=True)))
-        C, J = closing.at_zero = rows[: len(q)], rows[len(q) :]
-        dq = self.changes(q, self.by_time)
-        ddq = self.changes(dq, self.by_time)
-        k.jacobian[group.P] = J  # type: ignore[assignment]
+        closing.at_zero = self.constraints(group, q)
+        dq = forward(make, q, self.by_time)
+        ddq = forward(make, dq, self.by_time)
+        k.jacobian[group.P] = closing.at_zero[1]  # type: ignore[assignment]
         a_number: Any = Traced(make, make("less_equal", q[0], q[0]))
         k.reach[group.P] = chosen(a_number, 1.0, -1.0)
         for b, body in enumerate(group.bodies):
@@ -165,8 +165,8 @@ class RecordedPass(Pass):
                 k.z[foot], k.v[foot], k.a[foot] = z, v, a  # type: ignore[assignment]
             self.place(body, foot, np.exp(1j * turn), (omega, alpha))  # type: ignore[arg-type]
 
-    def constraints(self, group: Group, q: Sequence[Expression]) -> list[Expression]:
-        """Return C of a group, in the order of `GroupEquations.open`."""
+    def constraints(self, group: Group, q: Sequence[Expression]) -> tuple[list[Expression], list[Expression]]:
+        """Return C of a group, in the order of `GroupEquations.open`, and its Jacobian J by q, row by row."""
         frames, bodies = self.frames(group, q), self.linkage.bodies
 
         def at(body: str, local: Any) -> Any:
@@ -182,16 +182,18 @@ class RecordedPass(Pass):
             slide = self.scene.slides[joint.slider]
             u_on = frames[joint.on][1]
             away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
-            offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)
+            D = (u_on * as_complex(slide.along)).conjugate() * away  # along the guide, and across it
+            offsets.append(D.imag)
             turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
             if group.drive is not None and self.scene.drive.body == joint.slider:
-                along = ((u_on * as_complex(slide.along)).conjugate() * away).real
-                driven = [along - self.driven.position]
+                driven = [D.real - self.driven.position]
         if group.drive is not None and self.scene.driven_slide is None:
             (_, u), (_, u_on) = (frames[name] for name in group.drive)
             driven = [((u_on * np.exp(1j * self.driven.position)).conjugate() * u).imag]
-        make, others = self.make, (*offsets, *turns, *driven)
-        return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [traced(make, x).x for x in others]
+        others = (traced(self.make, x).x for x in (*offsets, *turns, *driven))
+        C = [*(gap.x for gap in gaps), *(gap.y for gap in gaps), *others]
+        columns = [forward(self.make, C, {one: self.make.constant(1.0)}) for one in q]
+        return C, [entry for row in zip(*columns, strict=True) for entry in row]
 
     def frames(self, group: Group, q: Sequence[Expression]) -> dict[str, tuple[Any, Any]]:
         """Return the first points, m, and the attitudes of the group's bodies and of those that it hangs on."""
@@ -204,11 +206,6 @@ class RecordedPass(Pass):
             if name in self.scene.bodies:
                 frames[name] = self.fixed(name, self.linkage.bodies[name].first)[0], self.k.u[name]
         return frames
-
-    def changes(self, of: Sequence[Expression], given: dict[Expression, Expression]) -> list[Expression]:
-        """The changes of expressions."""
-        d = forward(self.make, needed(of), given)
-        return [d.get(one.order, self.make.constant(0.0)) for one in of]
 
 
 class RecordedBalance(FrictionBalance):

@@ -56,10 +56,9 @@ class Extremes:
         at = np.broadcast_to(position, samples.shape)
         for sign, best, where in ((-1, self.least, self.least_at), (1, self.largest, self.largest_at)):
             column = np.where(np.isnan(samples), -np.inf, sign * samples).argmax(axis=1)[:, None]
-            extreme = np.take_along_axis(samples, column, 1)[:, 0]
+            extreme, place = (np.take_along_axis(of, column, 1)[:, 0] for of in (samples, at))
             better = sign * extreme > sign * best[rows]
-            best[rows] = np.where(better, extreme, best[rows])
-            where[rows] = np.where(better, np.take_along_axis(at, column, 1)[:, 0], where[rows])
+            best[rows], where[rows] = np.where(better, (extreme, place), (best[rows], where[rows]))
 
 
 class Integral:

@@ -119,9 +119,8 @@ def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
     return traced(make, f)
 
 
-COMPARING = "minimum", "maximum", "less", "less_equal"
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{name: partial(_real, name) for name in ("sqrt", "tanh", "arctan2", *COMPARING)},
+    **{name: partial(_real, name) for name in ("sqrt", "tanh", "arctan2", "minimum", "maximum", "less", "less_equal")},
     **{name: partial(_each, name) for name in ("add", "subtract", "negative")},
     "floor": lambda a: _real("floor", a).whole,
     "multiply": _product,

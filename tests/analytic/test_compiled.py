@@ -66,6 +66,15 @@ def test_what_does_not_reach_is_named_by_the_core() -> None:
 
 
 @ROUTES
+def test_many_machines_with_a_press_force(*, compiled: bool) -> None:
+    """Where their strokes end follows from all numbers of the scene, those that do not differ among them."""
+    scene = scenes.load("crank_press")
+    changes, position = {"bodies.crank.lengths.O-A": [90.0, 91.0]}, np.linspace(0, 6, 50)
+    many = analytic.fast_solver(scene, compiled=compiled).many(changes, position)
+    assert_same(many, analytic.solve_many(scene, changes, position))
+
+
+@ROUTES
 def test_an_open_branch_is_named_where_nothing_wanted_hangs_on_it(*, compiled: bool) -> None:
     """The second machine's C lies on the sketched A."""
     scene = scenes.load("four_bar")

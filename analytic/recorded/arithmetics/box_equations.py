@@ -8,6 +8,7 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
+from ...core.groups.newton_group import columns, solved
 from .taylor_models import ROUNDED, TINY, UP, TaylorModel
 
 SLACK = 1e-7  # of a bound
@@ -16,16 +17,8 @@ ROUGH = 2.0**-40  # of a pose: it is alone within that at least, so that roundin
 
 def stacked(models: Sequence[TaylorModel]) -> TaylorModel:
     """Models as one, of shape (k, n)."""
-    n = max(one.c.shape[-1] for one in models)
-    c, rest = np.empty((len(models[0].c), len(models), n)), np.empty((len(models), n))
-    for i, one in enumerate(models):
-        c[:, i], rest[i] = one.c, one.rest
-    return TaylorModel(c, rest)
-
-
-def picked(x: TaylorModel, i: Any) -> TaylorModel:
-    """Some of the values of stacked models; of models alone those of some boxes, unless it is the same in all."""
-    return x if len(x.rest) == 1 and x.rest.ndim == 1 else TaylorModel(x.c[:, i], x.rest[i])
+    c, rest = (np.broadcast_arrays(*each) for each in zip(*((one.c, one.rest) for one in models), strict=True))
+    return TaylorModel(np.stack(c, axis=1), np.stack(rest))
 
 
 def _times(matrix: Samples, x: TaylorModel) -> TaylorModel:
@@ -49,14 +42,9 @@ def alone(x: TaylorModel, room: float) -> Samples:
     return np.asarray(room * (x.rest + ROUGH * x.most))
 
 
-def inverse_of(matrix: Samples) -> Samples:
-    """Inverses, about, of matrices of shape (k, k, n) as (n, k, k), NaN where there are none."""
-    A = np.moveaxis(matrix, -1, 0)
-    fit: Any = np.isfinite(A).all(axis=(1, 2))
-    fit[fit] = np.linalg.slogdet(A[fit])[0] != 0
-    inverse = np.full(A.shape, np.nan)
-    inverse[fit] = np.linalg.inv(A[fit])
-    return inverse
+def inverses(A: Samples) -> Samples:
+    """Inverses, about, of matrices of shape (n, k, k), NaN where there are none."""
+    return columns(A, np.eye(A.shape[-1])[np.newaxis])
 
 
 def contracted(inverse: Samples, open_by: TaylorModel, J: TaylorModel) -> tuple[Samples, Any]:
@@ -69,12 +57,8 @@ def contracted(inverse: Samples, open_by: TaylorModel, J: TaylorModel) -> tuple[
     E.c[0] += np.eye(k)[..., np.newaxis]
     rounded = UP + k * ROUNDED
     off, gains = (left.most + left.rest) * rounded, (E.most + E.rest + 2 * ROUNDED) * rounded
-    matrix = np.moveaxis(np.eye(k)[..., np.newaxis] - gains, -1, 0)
-    fit: Any = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(off).all(axis=0)
-    fit[fit] = np.linalg.slogdet(matrix[fit])[0] > 0
-    d = np.full(off.shape, np.nan)
     more = off * (1 + SLACK) + SLACK * off.max(axis=0) + TINY  # so that the bound is one whatever was rounded
-    d[:, fit] = np.linalg.solve(matrix[fit], more.T[fit][..., np.newaxis])[..., 0].T
+    d = solved(np.eye(k) - np.moveaxis(gains, -1, 0), more.T).T
     holds = ((d > 0) & (d > (off + np.einsum("ijn,jn->in", gains, d)) * rounded)).all(axis=0)
     return np.where(holds, d, np.nan), holds
 
@@ -94,7 +78,7 @@ def solution(entries: Sequence[TaylorModel]) -> TaylorModel:
     like, n = len(every.c), every.c.shape[-1]
     A = TaylorModel(every.c[:, : k * k].reshape(like, k, k, n), every.rest[: k * k].reshape(k, k, n))
     b = TaylorModel(every.c[:, k * k :], every.rest[k * k :])
-    inverse = inverse_of(A.c[0])
+    inverse = inverses(np.moveaxis(A.c[0], -1, 0))
 
     def left(c: Samples) -> TaylorModel:
         return _sum(A * TaylorModel(c[:, np.newaxis], np.zeros((1, k, n)))) - b

@@ -8,8 +8,8 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ..expressions import OPERATIONS, Closing, Expression, needed
-from .box_equations import alone, contracted, inverse_of, picked, series, solution, stacked
+from ..expressions import Closing, Expression, needed
+from .box_equations import alone, contracted, inverses, series, solution, stacked
 from .in_numpy import NewtonsMethod
 from .taylor_models import EXACT, ROUNDED, RULES, TaylorModel, point
 
@@ -35,13 +35,13 @@ class Closed:
 
         def equations(c: Samples, off: Samples) -> tuple[TaylorModel, TaylorModel]:
             q = TaylorModel(c, off)
-            rows = stacked(self.line({name: picked(q, i) for i, name in enumerate(self.names)}, known))
+            rows = stacked(self.line({name: q[i] for i, name in enumerate(self.names)}, known))
             J = rows.c[:, k:].reshape(like, k, k, n), rows.rest[k:].reshape(k, k, n)
             return TaylorModel(rows.c[:, :k], rows.rest[:k]), TaylorModel(*J)
 
         exactly = np.zeros((k, n))
         still = np.concatenate([start[np.newaxis], np.zeros((like - 1, k, n))])
-        inverse = inverse_of(equations(still, exactly)[1].c[0])
+        inverse = inverses(np.moveaxis(equations(still, exactly)[1].c[0], -1, 0))
         c = series(inverse, lambda c: equations(c, exactly)[0], start, like)
         c = np.where(np.isfinite(c).all(axis=(0, 1)), c, 0.0)
         open_by, J = equations(c, exactly)
@@ -69,10 +69,6 @@ class BoxLine:
         order = [one for one in needed(expressions, known) if one.order not in known]
         self.closed = {one.order: Closed(one.of[0], like, room) for one in order if one.operation == "closed"}
         self.order = [one for one in order if one.sampled]
-        last = {of.order: one.order for one in self.order for of in one.operands if of.sampled}
-        self.ended: dict[int, list[int]] = {}  # what is needed no more, by the last that it was needed for
-        for of in last.keys() - known - {one.order for one in expressions}:
-            self.ended.setdefault(last[of], []).append(of)
         self.still = self._values([one for one in order if not one.sampled], numbers, {})
 
     def __call__(
@@ -88,8 +84,6 @@ class BoxLine:
     ) -> dict[int, TaylorModel]:
         for one in order:
             values[one.order] = self._value(given, one, [values[of.order] for of in one.operands])
-            for ended in self.ended.get(one.order, ()):
-                del values[ended]
         return values
 
     def _value(self, given: Mapping[str, TaylorModel], one: Expression, of: Sequence[TaylorModel]) -> TaylorModel:
@@ -104,7 +98,7 @@ class BoxLine:
             case "system":
                 return solution(of)
             case "component":
-                return picked(of[0], int(one.of[1].of[0]))
+                return of[0][int(one.of[1].of[0])]
             case "less" | "less_equal" if not one.sampled:  # of the file's numbers: as they are, to the last place
-                return point(OPERATIONS[one.operation](*(x.c[0, 0] for x in of)), self.like)
+                return point(getattr(np, one.operation)(*(x.c[0] for x in of)), self.like)
         return RULES[one.operation](*of)

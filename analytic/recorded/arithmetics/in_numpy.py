@@ -1,8 +1,7 @@
 """Recorded expressions as NumPy calls, one an operation, whose results are in few arrays that stay in cache."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from math import ceil, inf, isqrt, nan
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf, isqrt, nan
 from types import MappingProxyType
 from typing import Any
 
@@ -28,7 +27,7 @@ class StraightLine:
         """The values."""
         m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
         rows = np.zeros((self._count, m, n))  # whose pages, where nothing is written, cost nothing
-        with np.errstate(all="ignore"), row_by_row(n):
+        with np.errstate(all="ignore"):
             for place in blocks(m, n):
                 here = {name: part(values, *place) for name, values in given.items()}
                 self._evaluate(here, rows[:, *place])
@@ -53,12 +52,11 @@ class NewtonsMethod:
         closes &= np.linalg.slogdet(self._equations(q, outer)[1])[0].reshape(shape) == branch
         return np.moveaxis(np.where(closes[..., np.newaxis], q, np.nan), -1, 0)
 
-    def correction(self, outer: Iterable[Any]) -> Correction:
+    def correction(self, outer: Sequence[Any] | Samples) -> Correction:
         """That of the coordinates, shape (m, n, k), by their equations."""
-        given = list(outer)
-        return lambda q: solved(*reversed(self._equations(q, given))).reshape(q.shape)
+        return lambda q: solved(*reversed(self._equations(q, outer))).reshape(q.shape)
 
-    def _equations(self, q: Samples, outer: Iterable[Any]) -> tuple[Samples, Samples]:
+    def _equations(self, q: Samples, outer: Sequence[Any] | Samples) -> tuple[Samples, Samples]:
         """C and J of every position, shape (m n, k) and (m n, k, k)."""
         *shape, k = q.shape
         rows = np.zeros((k + k * k, *shape))
@@ -82,27 +80,18 @@ class _Code:
     def __init__(self, expressions: Sequence[Expression], known: Mapping[int, str]) -> None:
         order = needed(expressions, known)
         self.last = {one.order: made.order for made in order if made.order not in known for one in made.operands}
-        self.rows: dict[int, int] = {}
-        for row, expression in enumerate(expressions):
-            self.rows.setdefault(expression.order, row)
+        self.rows = {one.order: row for row, one in reversed([*enumerate(expressions)])}
         self.lines = ["def evaluate(given, row):", "    shape = row.shape[1:]"]
         self.methods: dict[str, NewtonsMethod] = {}
-        self.free: list[str] = []
-        self.arrays = 0
+        self.free: list[str] = []  # arrays
         names = walk(order, self.write, {at: f"given[{name!r}]" for at, name in known.items()})
-        for row, expression in enumerate(expressions):
-            name = names[expression.order]
-            if name not in (f"row[{row}]", "0.0"):
-                self.lines.append(f"    row[{row}] = {name}")
+        wanted = ((row, names[one.order]) for row, one in enumerate(expressions))
+        self.lines += [f"    row[{row}] = {name}" for row, name in wanted if name not in (f"row[{row}]", "0.0")]
 
     def write(self, made: Expression, of: Sequence[str]) -> str:
-        """Write an operation."""
-        name = self._value(made, of)
+        """Write an operation, whose result may take the place of what it is the last to need."""
         ended = (text for one, text in zip(made.operands, of, strict=True) if self.last[one.order] == made.order)
         self.free += sorted({text for text in ended if text.startswith("a") and text[1:].isdecimal()})
-        return name
-
-    def _value(self, made: Expression, of: Sequence[str]) -> str:
         arguments, operation, name = ", ".join(of), made.operation, f"v{made.order}"
         match operation:
             case "constant":
@@ -119,19 +108,16 @@ class _Code:
         spelled = SIGNS.get(operation, f"np.{operation}({arguments})").format(*of)
         if not made.sampled or operation in OF_FEWER:
             return self._kept(name, spelled)
-        target = f"row[{self.rows[made.order]}]" if made.order in self.rows else self._array()
+        if made.order in self.rows:
+            target = f"row[{self.rows[made.order]}]"
+        else:
+            target = self.free.pop() if self.free else self._kept(f"a{made.order}", "np.empty(shape)")
         self.lines.append(f"    np.{operation}({arguments}, out={target})")
         return target
 
     def _kept(self, name: str, text: str) -> str:
         self.lines.append(f"    {name} = {text}")
         return name
-
-    def _array(self) -> str:
-        if self.free:
-            return self.free.pop()
-        self.arrays += 1
-        return self._kept(f"a{self.arrays}", "np.empty(shape)")
 
 
 def solutions(shape: tuple[int, ...], entries: Sequence[Samples | float]) -> Samples:
@@ -142,17 +128,6 @@ def solutions(shape: tuple[int, ...], entries: Sequence[Samples | float]) -> Sam
         rows[..., column] = entry
     x = solved(rows[..., : k * k].reshape(*shape, k, k), rows[..., k * k :])
     return np.ascontiguousarray(np.moveaxis(x, -1, 0))
-
-
-@contextmanager
-def row_by_row(n: int) -> Iterator[None]:
-    """Have NumPy meet numbers of shape (m, 1) with samples of shape (m, n) without a copy of them for each sample."""
-    # It makes copies where its buffer holds several rows; short rows are better off with them.
-    before = np.setbufsize(16 * ceil(n / 16) if 100 <= n <= np.getbufsize() else np.getbufsize())
-    try:
-        yield
-    finally:
-        np.setbufsize(before)
 
 
 def blocks(m: int, n: int, most: int = BLOCK) -> Iterator[tuple[slice, slice]]:

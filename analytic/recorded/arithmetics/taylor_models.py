@@ -63,9 +63,9 @@ class TaylorModel:
         off = self.radius + ROUNDED * self.sizes[0]
         return self.c[0] - off, self.c[0] + off
 
-    def of(self, boxes: Any) -> "TaylorModel":
-        """That of some boxes."""
-        return TaylorModel(self.c[..., boxes], self.rest[..., boxes])
+    def __getitem__(self, place: Any) -> "TaylorModel":
+        """Those of some boxes, or some of several that are stacked, shape (k, n)."""
+        return TaylorModel(self.c[(slice(None), *np.index_exp[place])], self.rest[place])
 
     def __neg__(self) -> "TaylorModel":
         return TaylorModel(-self.c, self.rest)
@@ -133,9 +133,8 @@ def parabola_most(c: Samples) -> Samples:
 def hull(low: Samples, high: Samples, like: int) -> TaylorModel:
     """What lies between bounds, shape (n,)."""
     middle = (low + high) / 2
-    return point(
-        np.where(np.isfinite(middle), middle, 0.0), like, (np.maximum(high - middle, middle - low)) * UP + TINY
-    )
+    off = np.maximum(high - middle, middle - low) * UP + TINY
+    return point(np.where(np.isfinite(middle), middle, 0.0), like, off)
 
 
 def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorModel:
@@ -152,8 +151,6 @@ def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorMod
 
 def _either(where: Any, yes: TaylorModel, no: TaylorModel) -> TaylorModel:
     """One of two, box by box."""
-    if where.all():
-        return yes
     return TaylorModel(np.where(where, yes.c, no.c), np.where(where, yes.rest, no.rest))
 
 
@@ -236,10 +233,6 @@ def _less_equal(x: TaylorModel, y: TaylorModel) -> TaylorModel:
 def _where(condition: TaylorModel, yes: TaylorModel, no: TaylorModel) -> TaylorModel:
     """One of two; where the condition is not decided all that lies between their bounds, as there may be a jump."""
     low, high = condition.range
-    if (low > 0.5).all():
-        return yes
-    if (high < 0.5).all():
-        return no
     (a, b), (c, d) = yes.range, no.range
     both = hull(np.minimum(a, c), np.maximum(b, d), len(yes.c))
     return _either(low > 0.5, yes, _either(high < 0.5, no, both))

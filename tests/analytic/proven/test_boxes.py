@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import scenes
-from analytic.proven.boxes import Boxes
+from analytic.proven.boxes import Boxes, cut
 from analytic.recorded.arithmetics import taylor_models
 from scenes import Failure, Scene
 from scenes.drive import ConstantSpeed
@@ -109,6 +109,14 @@ def test_no_value_of_random_linkages_escapes(tmp_path: Path) -> None:
 def test_no_value_of_many_random_linkages_escapes(tmp_path: Path) -> None:
     moved = [assert_none_escapes(scene, STUDIED, seed) for seed, scene in enumerate(drawn(tmp_path, 200))]
     assert sum(moved) >= 150
+
+
+def test_boxes_that_are_cut_leave_nothing_between() -> None:
+    """The last part ends where the box does: low + (high - low) is less, or more, where the box is about zero."""
+    ends = np.sort(np.random.default_rng(6).uniform(-3, 3, (2, 1000)), axis=0)
+    low, high = (of.reshape(64, -1) for of in cut(ends[0], ends[1], 64))
+    assert np.array_equal(low, [ends[0], *high[:-1]])
+    assert np.array_equal(high[-1], ends[1])
 
 
 def test_copies_of_a_box_are_all_that_may_be() -> None:
