@@ -94,7 +94,7 @@ class Boxes:
         for place, load in scene.elements:
             if isinstance(load, PressForce) and place in self.program.strokes:
                 self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
-        self._line = self._line_of([*(rows[name] for name in self.names), *self.program.conditions])
+        self._line = self._line_of([*(rows[name] for name in self.names), *self.program.conditions.values()])
         self._choices = self._line_of([*self.program.make.choices.values()])
 
     def __call__(self, low: Samples, high: Samples) -> tuple[TaylorModel, Numbers]:

@@ -36,7 +36,8 @@ def page_program(
         text of a function of numbers, of arrays for each position, of arrays to fill, one a channel and the reach, and
         of how many positions there are; `given`, the values of its arrays at these positions, by name; `strokes`, by
         the input that each finds, the `text` of a function of the same kind, of its `numbers` and what is `given`, for
-        a slider's displacement, m, its rate and the sign in which it closes.
+        a slider's displacement, m, its rate and the sign in which it closes; `gaps`, a `text` of the same kind that is
+        negative where one of `joints` does not close, the first of them being why the others do not.
 
     Raises:
         Failure: as of `solver`.
@@ -60,4 +61,5 @@ def page_program(
         "line": line.text,
         "given": {name: np.broadcast_to(given[name], instants.shape) for name in line.given},
         "strokes": ends,
+        "gaps": {"joints": [*program.conditions], **script([*program.conditions.values()])._asdict()},
     }

@@ -47,13 +47,13 @@ class Program:
     closed: Mapping[Group, Expression]  # the larger groups' coordinates
     channels: Mapping[str, Expression]
     strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
-    conditions: Sequence[Expression]  # negative where a group does not reach, or its branch is open
+    conditions: Mapping[str, Expression]  # by what does not close where it is negative, or else may be closed twice
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
 
     @cached_property
     def reach(self) -> Expression:
         """The least of the conditions; of a crank alone, which always reaches, infinite."""
-        return reduce(partial(self.make, "minimum"), self.conditions, self.make.constant(inf))
+        return reduce(partial(self.make, "minimum"), self.conditions.values(), self.make.constant(inf))
 
     @cached_property
     def rows(self) -> list[Expression]:
@@ -104,10 +104,10 @@ def recorded(
             value = traced(make, take(k, on))
             parts = zip(names, (value.x, value.y), strict=False)
             expressions |= {name: part for name, part in parts if name in wanted}
-    branches = (group.branch for group in every.groups if not isinstance(group, Group))
+    branches = ((f"the branch of {group.P}", group.branch) for group in every.groups if not isinstance(group, Group))
     # A branch is zero where the sketch leaves it open.
-    drawn = [chosen(branch * branch > 0, 1.0, -1.0) for branch in branches if isinstance(branch, Traced)]
-    conditions = [traced(make, one).x for one in (*k.reach.values(), *drawn)]
+    drawn = {name: chosen(own * own > 0, 1.0, -1.0) for name, own in branches if isinstance(own, Traced)}
+    conditions = {name: traced(make, one).x for name, one in (k.reach | drawn).items()}
     left = frozenset(own if channels is None else own & channels)
     return Program(make, request, opened, linkage, way.closed, expressions, strokes, conditions, left)
 
@@ -219,7 +219,7 @@ class RecordedBalance(FrictionBalance):
 
     def contracts(self, bound: Any) -> None:
         """Have the reach negative where a bound on a map's contraction is not below one."""
-        self.k.reach[f"friction {len(self.k.reach)}"] = chosen(bound < 1, 1.0, -1.0)
+        self.k.reach[f"the balance with friction ({len(self.k.reach)})"] = chosen(bound < 1, 1.0, -1.0)
 
     def larger(self, group: Group) -> None:
         """Balance a larger group: the multipliers of its constraints, from the transpose of their Jacobian."""

@@ -80,8 +80,9 @@ const update = () => {
   if (isEdited) force.value = force.value && 0, magnify.value = 0;
   force.disabled = magnify.disabled = isEdited;
   const open = [...rowsNow.at(-1).keys()].filter(n => !(rowsNow.at(-1)[n] >= 0));
+  const from = () => `from ${position(open[0])} to ${position(open.at(-1))}, where ${gaps(open).join(" and ")} cannot be closed`;
   inTable(".open").textContent = open.length
-    ? `The page finds no solution at ${open.length} of ${count} positions, from ${position(open[0])} to ${position(open.at(-1))}: the nearest pose is drawn.` : "";
+    ? `The page finds no solution at ${open.length} of ${count} positions, ${from()}: the nearest pose is drawn.` : "";
   guides.forEach(lay => lay());
   ways.forEach((path, k) => path.setAttribute("d", drawn(rows.map(n => at(bench.paths[k], n)))));
   reshape(now);

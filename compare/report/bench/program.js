@@ -45,6 +45,11 @@ const solve = (number, rows, by = line) => {
   for (let n = 0; n < count; n++) if (!(reach[n] >= 0)) for (const row of rows) row[n] = NaN; // whatever the formulas give
   return rows;
 };
+const gaps = open => { // at some samples, what does not close
+  const { joints, text, numbers: paths, given: names } = bench.gaps, rows = joints.map(() => new Float64Array(count));
+  compiled(text)(paths.map(path => edited[index[path]]), names.map(name => given[name]), rows, count);
+  return [...new Set(open.map(n => joints[rows.findIndex(row => !(row[n] >= 0))]))];
+};
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
 await pause();
 const stops = rows => rowsOfDesign[0].findIndex((_, n) => !(rows.at(-1)[n] >= 0)); // the first sample without a pose
