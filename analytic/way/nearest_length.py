@@ -44,18 +44,20 @@ def to_lock(equations: GroupEquations, pose: FramePoses) -> Samples:
 
 def _lengths(equations: GroupEquations) -> Iterator[GroupEquations]:
     """Yield what a unit of each length adds to the constraints: of a link in its last pin, of a guide at its point."""
-    none = replace(equations, **{name: 0 * getattr(equations, name) for name in "SRTEG"})
+    none = replace(equations, **{name: 0 * getattr(equations, name) for name in "SRAG"})
+
+    def longer(joint: int, frame: int, way: complex) -> GroupEquations:
+        R = none.R.copy()
+        R[joint, frame] = way
+        return replace(none, R=R)
+
     for link in range(equations.bodies):
-        pins = np.flatnonzero(equations.S[:, link])
-        if len(pins) == 2 and not equations.T[:, link].any():
-            first, last = equations.S[pins, link] * equations.R[pins, link]
-            unit = replace(none, R=none.R.copy())
-            unit.R[pins[1], link] = equations.S[pins[1], link] * (last - first) / np.abs(last - first)
-            yield unit
+        joints = np.flatnonzero(equations.S[:, link])
+        if len(joints) == 2 and joints[1] < equations.pins:
+            first, last = equations.S[joints, link] * equations.R[joints, link]
+            yield longer(joints[1], link, equations.S[joints[1], link] * (last - first) / np.abs(last - first))
     for guide, on in enumerate(equations.on):
-        unit = replace(none, E=none.E.copy())
-        unit.E[guide, on] = 1j * equations.along[guide]
-        yield unit
+        yield longer(equations.pins + guide, on, 1j * equations.along[guide])
 
 
 def _extreme(
@@ -95,7 +97,7 @@ def _along(
     `x` is q and l, shape (n, m + 1), near the curve, and `before` a tangent nearby.
     """
     pose, longer = equations.pose(x[:, :-1], placed), x[:, -1, None, None]
-    off = replace(equations, R=equations.R + longer * unit.R, E=equations.E + longer * unit.E)
+    off = replace(equations, R=equations.R + longer * unit.R)
     across = _with(before[:, :-1] * equations.arms**2, 0)
     beside = np.append(own_jacobian(off, pose), unit.open(pose)[..., None], axis=-1)
     matrix, C = np.append(beside, across[:, None], axis=1), off.open(pose)

@@ -81,13 +81,9 @@ def least_singular_value(equations: GroupEquations, J: Samples) -> Samples:
     Moves and differences of angles count as those of the group's longest arm, so that all entries are arms. Near a
     singular pose it falls as the root of the drive's way to there.
     """
-    p, s = len(equations.S), len(equations.T)
-    turns = np.arange(J.shape[-2]) >= 2 * p + s
-    if equations.driven is not None:
-        turns[-1] = False
-    rows = np.where(turns, equations.size, 1.0)
-    columns = np.where(np.arange(3 * equations.bodies) % 3 == 2, 1.0, equations.size)
-    arms = J * rows[:, None] * columns
+    lengths = equations.pins + len(equations.S)
+    rows = np.repeat([1.0, equations.size, 1.0], [lengths, len(equations.A), len(equations.G)])
+    arms = J * rows[:, None] * (equations.size / equations.arms)
     least = np.full(arms.shape[:-2], np.nan)
     reached = ~np.isnan(arms[..., 0, 0])
     least[reached] = np.linalg.svd(arms[reached], compute_uv=False)[:, -1]
