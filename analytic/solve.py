@@ -21,7 +21,7 @@ from .core.elements import Given
 from .core.groups.continuation import Track, misfit
 from .core.groups.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
-from .core.kinetostatics import Balance, Reactions
+from .core.kinetostatics import Reactions
 from .core.placing import Kinematics
 from .core.rubbing_joints import FrictionBalance
 from .recorded.arithmetics.in_numpy import StraightLine, blocks
@@ -139,11 +139,9 @@ class Solver:
                 check_reach(scene, linkage, k, position[block])
                 on = Reactions()
                 if self.request.wants_forces(scene):
-                    kind = FrictionBalance if scene.friction else Balance
-                    balance = kind(scene, linkage, given, k)
-                    on = balance.solve(self.request.channels)
-                    if isinstance(balance, FrictionBalance):
-                        balance.check(self.request.channels, block.start, at)
+                    balance = FrictionBalance(scene, linkage, given, k)
+                    on = balance.solve()
+                    balance.check(block.start, at)
                 for names, take in self.channels.items():
                     rows[names][block] = take(k, on)
         return {

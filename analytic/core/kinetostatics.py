@@ -5,13 +5,12 @@ doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
 from collections.abc import Iterable, Mapping
-from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from scenes.model.motion import Samples, force_channels, friction_channels
+from scenes.model.motion import Samples
 
 from .decomposition import Dyad, Guided, InnerPin, InnerSlide, Leg, Pinned
 from .dyads import Vectors, cross, dot, inner_force
@@ -41,11 +40,9 @@ class Balance(Loading):
     slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
     alone: Mapping[str, list[ActingForce]] | None = None  # by body: in place of all other loads, and of inertia
 
-    def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
-        """Return the reactions and the effort of the drive, balanced as long as one that is wanted is missing."""
+    def solve(self) -> Reactions:
+        """Return the reactions and the effort of the drive."""
         for group in reversed(self.linkage.groups):
-            if wanted is not None and self.has(wanted):
-                return self.reactions
             self.balance(group)
         if self.linkage.driver is not None:
             self.balance(self.linkage.driver)
@@ -61,13 +58,6 @@ class Balance(Loading):
             self.larger(group)
         else:
             self.driver(group)
-
-    def has(self, wanted: AbstractSet[str]) -> bool:
-        """Return whether all reactions wanted were found; what was, is final."""
-        known = {pin.channel for pin in self.scene.pins if (pin.point, pin.second) in self.reactions.pin}
-        forces = {*force_channels(self.scene), *friction_channels(self.scene)}
-        joints = {channel.rpartition(".")[0] for channel in wanted & forces}
-        return joints <= known | set(self.reactions.guide)
 
     def inner_pin(self, dyad: InnerPin) -> None:
         """Balance a dyad with an inner pin."""
@@ -150,9 +140,7 @@ class Balance(Loading):
         N = -cross(t, force)
         at = self.k.z[self.scene.bodies[leg.slider].points[0]]
         reaction = 1j * t * N
-        M = -moment
-        if leg.slider != leg.body:
-            M = M - cross(at - self.k.z[self.foot(leg)], reaction)
+        M = -moment if leg.slider == leg.body else -moment - cross(at - self.k.z[self.foot(leg)], reaction)
         self.channel(leg, N, M)
         self.slid_on.setdefault(leg.on, []).append(ActingForce(-reaction, at, -M))
 

@@ -89,7 +89,7 @@ def recorded(
                 strokes[place] = s, ds
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
-        on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve(channels)
+        on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve()
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):
