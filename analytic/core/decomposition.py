@@ -153,8 +153,6 @@ class _Placed:
     def __init__(self, scene: Scene, bodies: Mapping[str, RigidBody]) -> None:
         self.scene, self.bodies, self.at = scene, bodies, sketched(scene)
         self.points = set(scene.ground)
-        slides = [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
-        self.slid = {name: {other for pair in slides if name in pair for other in pair} for name in scene.bodies}
         self.carries: dict[str, tuple[str, ...]] = {}
 
     def add(self, name: str) -> None:
@@ -164,8 +162,7 @@ class _Placed:
     def outer(self, name: str) -> list[Leg]:
         """Return the joints by which a body hangs on what is placed."""
         pins: list[Leg] = [Pinned(name, point) for point in self.scene.bodies[name].points if point in self.points]
-        known = (GROUND, *self.carries) if self.slid[name] else ()
-        slides = (self.guided(name, other) for other in known if other in self.slid[name])
+        slides = (self.guided(name, other) for other in (GROUND, *self.carries))
         return pins + [guided for guided in slides if guided is not None]
 
     def guided(self, name: str, other: str) -> Guided | None:

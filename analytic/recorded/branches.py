@@ -85,7 +85,7 @@ def _poses(
     off = q[:, [at]] - sketched
     off[..., 2::3] = np.remainder(off[..., 2::3] + np.pi, 2 * np.pi) - np.pi
     changed = length_of(np.diff(q - track.q, axis=1), size)
-    beside = changed <= BESIDE * track.equations.length(np.diff(track.q, axis=0)) + ROUGHLY * size
+    beside = changed <= BESIDE * length_of(np.diff(track.q, axis=0), track.equations.size) + ROUGHLY * size
     known = np.repeat(length_of(off, size) <= ROUGHLY * size, len(track.q), axis=1)
     known[:, at + 1 :] &= np.logical_and.accumulate(beside[:, at:], axis=1)
     known[:, :at] &= np.logical_and.accumulate(beside[:, at - 1 :: -1] if at else beside[:, :0], axis=1)[:, ::-1]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
-from ..core.groups.group_equations import FramePoses, GroupEquations, coordinates, in_plane
+from ..core.groups.group_equations import FramePoses, GroupEquations, coordinates, in_plane, length_of
 from ..core.groups.newton_group import columns, own_jacobian, solved
 
 LONGEST = 0.5  # of the group's size: a step along a curve
@@ -71,7 +71,7 @@ def _extreme(
     path = np.stack([x, tangent, 0 * x], axis=1)  # a place on the curve, the tangent there, and its change
     for _ in range(ROUNDS):
         back, *ahead = _along(equations, unit, placed, x, path[:, 1])
-        astray = equations.length(back[:, :-1])
+        astray = length_of(back[:, :-1], equations.size)
         near = astray <= ASTRAY * equations.size
         path = np.where(near[:, None, None], np.stack([x + back, *ahead], axis=1), path)
         on, slope, bend = sense * np.moveaxis(path[..., -1], -1, 0)

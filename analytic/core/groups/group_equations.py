@@ -152,10 +152,6 @@ class GroupEquations:
         turned = np.zeros((*gap.shape[:-1], len(self.A)))
         return np.concatenate([gap.real, gap.imag, seen.imag, turned, seen.real[..., self.driven]], axis=-1)
 
-    def length(self, correction: Samples) -> Samples:
-        """Return the largest move of a correction, shape (...), m."""
-        return length_of(correction, self.size)
-
     @cached_property
     def arms(self) -> Samples:
         """The moves by a unit of each coordinate, shape (m,), m."""

@@ -12,7 +12,7 @@ import pytest
 import analytic
 from analytic.core.decomposition import decompose
 from analytic.core.groups.continuation import Track
-from analytic.core.groups.group_equations import Group
+from analytic.core.groups.group_equations import Group, length_of
 from analytic.core.kinematics import followed
 from analytic.proven import boxes, branches
 from analytic.recorded.arithmetics.taylor_models import TaylorModel
@@ -40,7 +40,7 @@ def others(scene: Scene) -> Iterator[Tracks]:
         except Failure:  # it does not come back after a turn
             continue
         start = np.array([scene.sketch.drive])
-        off = own.equations.length(own.guess(start)[0] - other.guess(start)[0])
+        off = length_of(own.guess(start)[0] - other.guess(start)[0], own.equations.size)
         if other.branch == own.branch and off > APART * own.equations.size:
             yield {group: other}
 
