@@ -18,7 +18,7 @@ from scenes.scene import ConstantSpeed, PressForce
 from .channels import FromBoth, all_channels, asked
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
 from .core.elements import Given
-from .core.groups.continuation import Track, misfit
+from .core.groups.continuation import misfit
 from .core.groups.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
 from .core.kinetostatics import Reactions
@@ -72,12 +72,10 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
     return prepared(scene, decompose(scene), channels)
 
 
-def prepared(
-    scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = None, tracks: Mapping[Group, Track] | None = None
-) -> "Solver":
-    """Return the solver by a decomposition, of groups that are needed, followed unless there are `tracks` of them."""
+def prepared(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = None) -> "Solver":
+    """Return the solver by a decomposition, of groups that are needed."""
     request, needed = asked(scene, whole, channels)
-    linkage, forces = followed(scene, needed, tracks), request.wants_forces(scene)
+    linkage, forces = followed(scene, needed), request.wants_forces(scene)
     end = cache(partial(stroke_end, scene, linkage))
     presses = {place: load for place, load in scene.elements if forces and isinstance(load, PressForce)}
     ends = {place: end(load.body, load.closing) for place, load in presses.items()}

@@ -20,7 +20,7 @@ from scenes.scene import GROUND
 from .dyads import cross
 from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched, sketched_attitude
 from .groups.continuation import Track
-from .groups.group_equations import Group, PinJoint, SlideJoint
+from .groups.group_equations import Group, PinJoint
 from .numbers import Number, Vector, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
@@ -265,10 +265,11 @@ def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
             if point in first:
                 pins.append(PinJoint(point, body, first[point]))
             first.setdefault(point, body)
-    slides = [SlideJoint(name, slide.on) for name, slide in placed.scene.slides.items()]
-    here = {GROUND, *placed.carries, *bodies}
-    own = tuple(one for one in slides if {one.slider, one.on} <= here and {one.slider, one.on} & {*bodies})
+
+    def joined(pair: tuple[str, str]) -> bool:
+        return {GROUND, *placed.carries, *bodies}.issuperset(pair) and not {*bodies}.isdisjoint(pair)
+
+    slides = tuple(pair for name, slide in placed.scene.slides.items() if joined(pair := (name, slide.on)))
     name = next((pin.point for pin in pins if pin.on is not None), bodies[0])
-    pair = placed.scene.drive.body, placed.scene.drive_on
-    driven = placed.scene.drive_on != GROUND and {*pair} <= here and not {*pair}.isdisjoint(bodies)
-    return Group(bodies, tuple(pins), own, name, pair if driven else None)
+    drive = placed.scene.drive.body, placed.scene.drive_on
+    return Group(bodies, tuple(pins), slides, name, drive if GROUND not in drive and joined(drive) else None)

@@ -1,6 +1,5 @@
 """Position, velocity and acceleration of the whole linkage, group after group, for many positions at once."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,7 +13,7 @@ from scenes.scene import GROUND
 
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned, kind
 from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
-from .groups.continuation import Track, follow
+from .groups.continuation import follow
 from .groups.group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
 from .groups.newton_group import rates
 from .numbers import samples
@@ -31,9 +30,9 @@ def kinematics(
     return Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
 
 
-def followed(scene: Scene, whole: Linkage, tracks: Mapping[Group, Track] | None = None) -> Linkage:
-    """Return the linkage with the branch of every larger group, each followed over the drive's way unless given."""
-    known = dict(tracks or {})
+def followed(scene: Scene, whole: Linkage) -> Linkage:
+    """Return the linkage with the branch of every larger group, followed over the drive's way where it is not known."""
+    known = dict(whole.tracks)
     for number, group in enumerate(whole.groups):
         if isinstance(group, Group) and group not in known:
             before = replace(whole, groups=whole.groups[:number], tracks=dict(known))

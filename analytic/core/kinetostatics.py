@@ -172,14 +172,14 @@ class Balance(Loading):
             self.hold(pin.body, pin.point, on_body)
             if pin.on is not None:
                 self.hold(pin.on, pin.point, -on_body)
-        for slide, N, M in zip(group.slides, guide_force, guide_moment, strict=True):
-            self.reactions.guide[slide.slider] = N, M
-            along = self.k.u[slide.on] * as_complex(self.scene.slides[slide.slider].along)
+        for (slider, on), N, M in zip(group.slides, guide_force, guide_moment, strict=True):
+            self.reactions.guide[slider] = N, M
+            along = self.k.u[on] * as_complex(self.scene.slides[slider].along)
             reaction = N * (1j * along)
-            if group.drive is not None and slide.slider == self.scene.drive.body:
+            if group.drive == (slider, on):
                 reaction = reaction + effort[0] * along
-            at = self.k.z[self.scene.bodies[slide.slider].points[0]]
-            for body, sign in ((slide.on, -1), (slide.slider, 1)):
+            at = self.k.z[self.scene.bodies[slider].points[0]]
+            for body, sign in ((on, -1), (slider, 1)):
                 self.pass_on(group, body, ActingForce(sign * reaction, at, sign * M))
 
     def pass_on(self, group: Group, body: str, acting: ActingForce) -> None:

@@ -178,13 +178,12 @@ class RecordedPass(Pass):
             other = self.k.z[pin.point] if pin.on is None else at(pin.on, bodies[pin.on].local[pin.point])
             gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
         offsets, turns, driven = [], [], []
-        for joint in group.slides:
-            slide = self.scene.slides[joint.slider]
-            u_on = frames[joint.on][1]
-            away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
+        for slider, on in group.slides:
+            slide, u_on = self.scene.slides[slider], frames[on][1]
+            away = frames[slider][0] - at(on, as_complex(slide.through))
             offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)
-            turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
-            if group.drive is not None and self.scene.drive.body == joint.slider:
+            turns.append((u_on.conjugate() * frames[slider][1]).imag)  # the angle between them, which is zero
+            if group.drive == (slider, on):
                 along = ((u_on * as_complex(slide.along)).conjugate() * away).real
                 driven = [along - self.driven.position]
         if group.drive is not None and self.scene.driven_slide is None:

@@ -98,9 +98,8 @@ def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
     guide_of(scene, point)  # which refuses a point without one
 
     def displaced(position: Samples) -> tuple[Samples, Samples, Samples]:
-        shape = np.zeros(np.shape(position))
-        s, ds, dds = motion_at(scene, linkage, position).displaced(scene, point)
-        return s + shape, ds + shape, dds + shape
+        s, ds, dds, _ = np.broadcast_arrays(*motion_at(scene, linkage, position).displaced(scene, point), position)
+        return s, ds, dds
 
     return displaced
 

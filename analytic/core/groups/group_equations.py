@@ -36,27 +36,19 @@ class PinJoint:
 
 
 @dataclass(frozen=True)
-class SlideJoint:
-    """A slide of a larger group: one of the two is a body of the group, the other is too, or is placed."""
-
-    slider: str
-    on: str
-
-
-@dataclass(frozen=True)
 class Group:
     """Bodies that only together have no freedom left, of class III or higher; P is the first pin among them."""
 
     bodies: tuple[str, ...]
     pins: tuple[PinJoint, ...]
-    slides: tuple[SlideJoint, ...]
+    slides: tuple[tuple[str, str], ...]  # of a slider on a body, one of which is of the group, the other too or placed
     P: str
     drive: tuple[str, str] | None = None  # the driven body, and the moving one that it slides on, or turns against
 
     @property
     def hangs_on(self) -> tuple[str, ...]:
         """The placed bodies, the ground among them, and points that the group's joints are at; and last the drive."""
-        joined = (*(name for slide in self.slides for name in (slide.slider, slide.on)), *(self.drive or ()))
+        joined = (*(name for slide in self.slides for name in slide), *(self.drive or ()))
         points = (f".{pin.point}" for pin in self.pins if pin.on is None)
         drive = ("drive",) if self.drive else ()
         return (*dict.fromkeys(name for name in joined if name not in self.bodies), *dict.fromkeys(points), *drive)
@@ -177,12 +169,11 @@ def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) ->
         for name, sign in ((pin.body, 1), (pin.on or f".{pin.point}", -1)):
             S[number, index[name]] = sign
             R[number, index[name]] = sign * arm(name, bodies[name].local[pin.point]) if name in bodies else 0
-    for number, joint in enumerate(group.slides):
-        slide = scene.slides[joint.slider]
-        S[p + number, index[joint.slider]], S[p + number, index[joint.on]] = 1, -1
-        R[p + number, index[joint.on]] = -arm(joint.on, as_complex(slide.through))
-        along[number] = as_complex(slide.along)
-    on = np.array([index[joint.on] for joint in group.slides], np.intp)
+    on = np.array([index[carrier] for _, carrier in group.slides], np.intp)
+    for number, (slider, carrier) in enumerate(group.slides):
+        S[p + number, index[slider]], S[p + number, index[carrier]] = 1, -1
+        R[p + number, index[carrier]] = -arm(carrier, as_complex(scene.slides[slider].through))
+        along[number] = as_complex(scene.slides[slider].along)
     A, G = S[p:], np.zeros((0, frames))
     driven = np.zeros(0, np.intp)
     if group.drive is not None:
@@ -192,7 +183,7 @@ def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) ->
             drive[0, [index[name] for name in group.drive]] = 1, -1
             A = np.append(A, drive, axis=0)
         else:
-            G, driven = drive, np.array([[slide.slider for slide in group.slides].index(scene.drive.body)])
+            G, driven = drive, np.array([group.slides.index(group.drive)])
     return GroupEquations(len(group.bodies), p, S, R, on, along, size_of(group, bodies), A, driven, G)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 from math import tau
 from typing import Any
 
@@ -61,7 +60,7 @@ def swapped(scene: Scene, tracks: Tracks, part: tuple[float, float]) -> Tracks:
 
 def open_at(monkeypatch: pytest.MonkeyPatch, scene: Scene, tracks: Tracks) -> tuple[float, float] | None:
     """Where it is not proven that a scene assembles by some tracks."""
-    monkeypatch.setattr(boxes, "prepared", partial(prepared, tracks=tracks))
+    monkeypatch.setattr(boxes, "prepared", lambda of, whole, names: prepared(of, replace(whole, tracks=tracks), names))
     return analytic.enclose(scene, {f"{group.bodies[0]}.angle" for group in tracks}).open_at
 
 
