@@ -242,7 +242,7 @@ def _fewest(placed: _Placed, left: list[str]) -> Group:
     subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
     groups = (larger_group(placed, bodies) for bodies in subsets)
     group = next(group for group in groups if _held(group) >= 0)
-    if _held(group) > 0:
+    if _held(group) > 0 or not group.hangs_on:
         raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(group.bodies)}")
     return group
 
