@@ -153,7 +153,7 @@ class Balance(Loading):
         """Balance a larger group by the transpose of its Jacobian: J^T forces + loads = 0, by virtual work."""
         _, _, J = self.k.jacobian[group.P]
         applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
-        loads = coordinates(*stacked(J.shape[:-2], *zip(*applied, strict=True)))
+        loads = coordinates(*(stacked(J.shape[:-2], of) for of in zip(*applied, strict=True)))
         forces = np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0)
         p, s = len(group.pins), len(group.slides)
         x, y, guide_force, guide_moment, effort = np.split(forces, [p, 2 * p, 2 * p + s, 2 * (p + s)])

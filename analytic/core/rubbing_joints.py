@@ -167,9 +167,9 @@ class FrictionBalance(Balance):
 
         These positions begin with number `first` of those of `at`, which takes several.
         """
-        status = next((one for one in (Status.jammed, Status.undetermined) if one in self.stuck), None)
-        if status is None:
+        if not self.stuck:
             return
+        status = Status.jammed if Status.jammed in self.stuck else Status.undetermined
         row = int(self.stuck[status].argmax())
         position = float(self.given["position"][row])
         where = self.scene.where(position)

@@ -8,7 +8,7 @@ group hangs on is placed and moves as the drive has it. The joints' constraints,
 m of them too: Nikravesh, "Computer-Aided Analysis of Mechanical Systems" (1988), chapter 3.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -232,14 +232,12 @@ def coordinates(plane: Complex, turn: Samples) -> Samples:
     return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(*plane.shape[:-1], 3 * plane.shape[-1])
 
 
-def stacked(shape: tuple[int, ...], *frames: Sequence[NDArray[Any]]) -> Iterator[NDArray[Any]]:
-    """Yield samples of one frame after the other with the frames as last axis, of one shape, the given one or more."""
-    shape = np.broadcast_shapes(shape, *(samples.shape for columns in frames for samples in columns))
-    for columns in frames:
-        together = np.empty((*shape, len(columns)), complex if np.iscomplexobj(columns[0]) else float)
-        for column, samples in enumerate(columns):
-            together[..., column] = samples
-        yield together
+def stacked(shape: tuple[int, ...], frames: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return samples of one frame after the other, each of a shape or constant, with the frames as last axis."""
+    together = np.empty((*shape, len(frames)), np.result_type(float, *frames))
+    for frame, samples in enumerate(frames):
+        together[..., frame] = samples
+    return together
 
 
 def _joined(signed: Samples | Complex, x: Samples | Complex) -> Any:
