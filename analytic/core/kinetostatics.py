@@ -4,8 +4,9 @@ A group is statically determinate once the groups that hang on it have passed on
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -50,14 +51,9 @@ class Balance(Loading):
 
     def balance(self, group: Dyad | Group | Leg) -> None:
         """Balance a group, or the driven body."""
-        if isinstance(group, InnerPin):
-            self.inner_pin(group)
-        elif isinstance(group, InnerSlide):
-            self.inner_slide(group)
-        elif isinstance(group, Group):
-            self.larger(group)
-        else:
-            self.driver(group)
+        kinds: dict[type, Callable[[Any], None]]
+        kinds = {InnerPin: self.inner_pin, InnerSlide: self.inner_slide, Group: self.larger}
+        kinds.get(type(group), self.driver)(group)
 
     def inner_pin(self, dyad: InnerPin) -> None:
         """Balance a dyad with an inner pin."""
@@ -154,21 +150,22 @@ class Balance(Loading):
         _, _, J = self.k.jacobian[group.P]
         applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
         loads = coordinates(*(stacked(J.shape[:-2], of) for of in zip(*applied, strict=True)))
-        forces = np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0)
-        p, s = len(group.pins), len(group.slides)
-        x, y, guide_force, guide_moment, effort = np.split(forces, [p, 2 * p, 2 * p + s, 2 * (p + s)])
-        self.spread(group, x + 1j * y, guide_force, guide_moment, effort)
+        self.spread(group, np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0))
 
-    def spread(
-        self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any, effort: Any
-    ) -> None:
-        """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider, a drive."""
+    def spread(self, group: Group, forces: Iterable[Any]) -> None:
+        """Let a group's joints pass on what they do, in the order of its constraints.
+
+        Each pin does it on the body pinned, along x and y, each guide on the slider, a force and a moment, and a drive.
+        """
+        rest, p, s = iter(forces), len(group.pins), len(group.slides)
+        along_x, along_y, guide_force, guide_moment = ([*islice(rest, count)] for count in (p, p, s, s))
         if group.drive is not None:
-            self.reactions.effort = effort[0]
+            effort = self.reactions.effort = next(rest)
             for body, sign in zip(group.drive, (1, -1), strict=True) if self.scene.driven_slide is None else ():
                 at = self.k.z[self.scene.bodies[body].points[0]]
-                self.pass_on(group, body, ActingForce(samples(0j), at, sign * effort[0]))
-        for pin, on_body in zip(group.pins, on_pinned, strict=True):
+                self.pass_on(group, body, ActingForce(samples(0j), at, sign * effort))
+        for pin, x, y in zip(group.pins, along_x, along_y, strict=True):
+            on_body = x + 1j * y
             self.hold(pin.body, pin.point, on_body)
             if pin.on is not None:
                 self.hold(pin.on, pin.point, -on_body)
@@ -177,7 +174,7 @@ class Balance(Loading):
             along = self.k.u[on] * as_complex(self.scene.slides[slider].along)
             reaction = N * (1j * along)
             if group.drive == (slider, on):
-                reaction = reaction + effort[0] * along
+                reaction = reaction + self.reactions.effort * along
             at = self.k.z[self.scene.bodies[slider].points[0]]
             for body, sign in ((on, -1), (slider, 1)):
                 self.pass_on(group, body, ActingForce(sign * reaction, at, sign * M))

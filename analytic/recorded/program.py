@@ -233,11 +233,7 @@ class RecordedBalance(FrictionBalance):
             loads += [make("negative", one) for one in (force.x, force.y, moment.x)]
         m = len(loads)
         system = make.system([J[m * row + column] for column in range(m) for row in range(m)], loads)
-        forces = [make.component(system, i) for i in range(len(loads))]
-        p, s = len(group.pins), len(group.slides)
-        pins = [Traced(make, x, y) for x, y in zip(forces[:p], forces[p : 2 * p], strict=True)]
-        guides = [Traced(make, x) for x in forces[2 * p :]]
-        self.spread(group, pins, guides[:s], guides[s : 2 * s], guides[2 * s :])  # type: ignore[arg-type]
+        self.spread(group, [Traced(make, make.component(system, i)) for i in range(m)])
 
 
 class BoundedBalance(RecordedBalance):

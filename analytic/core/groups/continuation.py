@@ -90,12 +90,6 @@ class Track:
         dq, ddq = rates(self.equations, pose, J, hung)
         return replace(self, position=position, q=q, dq=dq, ddq=ddq)
 
-    @property
-    def comes_back(self) -> bool:
-        """Whether the last pose is the first one again."""
-        last, first = (np.exp(1j * self.q[row, 2::3]) for row in (-1, 0))
-        return bool(np.abs(last - first).max() <= SAME)
-
     def rows(self, which: slice | NDArray[np.intp] | NDArray[np.bool_]) -> "Track":
         """Some of the poses."""
         q, dq, ddq = (values[which] for values in (self.q, self.dq, self.ddq))
@@ -134,7 +128,7 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     ahead = forward.position[-1] - start
     if ahead < turn - SMALLEST * step:
         return _both(_march(first, placed, ahead - turn), forward)
-    if forward.comes_back:
+    if comes_back(forward.q):
         return forward
     if most - least > turn - step:
         why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
@@ -217,6 +211,12 @@ def misfit(scene: Scene, group: Group, equations: GroupEquations, q: Samples, pl
         *(q[0], np.tile([equations.size, equations.size, 1.0], equations.bodies), joints, equations.size),
     )
     return f": with all else closed {joint} stays open by {scene.length(gap)}" if gap else ""
+
+
+def comes_back(q: Samples) -> NDArray[np.bool_]:
+    """Whether the last of poses, shape (..., N, m), is the first one again but for whole turns, shape (...)."""
+    last, first = (np.exp(1j * q[..., row, 2::3]) for row in (-1, 0))
+    return np.asarray(np.abs(last - first).max(axis=-1) <= SAME)
 
 
 def _both(back: Track, forth: Track) -> Track:
