@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -76,9 +76,8 @@ def prepared(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = N
     """Return the solver by a decomposition, of groups that are needed."""
     request, needed = asked(scene, whole, channels)
     linkage, forces = followed(scene, needed), request.wants_forces(scene)
-    end = cache(partial(stroke_end, scene, linkage))
     presses = {place: load for place, load in scene.elements if forces and isinstance(load, PressForce)}
-    ends = {place: end(load.body, load.closing) for place, load in presses.items()}
+    ends = {place: stroke_end(scene, linkage, load.body, load.closing) for place, load in presses.items()}
     return Solver(scene, linkage, ends, request, windings=windings(scene, linkage) if forces else {})
 
 

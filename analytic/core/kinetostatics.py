@@ -39,7 +39,7 @@ class Balance(Loading):
     reactions: Reactions = field(default_factory=Reactions)
     far: dict[str, tuple[Vectors, Samples]] = field(default_factory=dict)  # of legs with the drive in them, at P
     slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
-    alone: Mapping[str, list[ActingForce]] | None = None  # by body: in place of all other loads, and of inertia
+    alone: Mapping[str, ActingForce] | None = None  # by body: in place of all other loads, and of inertia
 
     def solve(self) -> Reactions:
         """Return the reactions and the effort of the drive."""
@@ -201,7 +201,8 @@ class Balance(Loading):
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
         if self.alone is not None:
-            return resultant(self.alone.get(body, ()), self.k.z[foot], samples(0j), samples(0.0))
+            own = [self.alone[body]] if body in self.alone else []
+            return resultant(own, self.k.z[foot], samples(0j), samples(0.0))
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * (rigid.com - rigid.local[foot])
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])

@@ -24,7 +24,7 @@ from .placing import Kinematics
 
 PARTS = 50  # of what is left of a range of shares, whose ends are tried at once
 CLOSE = 1e-8  # of a coefficient, how closely its share is found
-Unit: TypeAlias = Mapping[str, list[ActingForce]]  # what one unit of a friction does, by body
+Unit: TypeAlias = Mapping[str, ActingForce]  # what one unit of a friction does, by body
 
 
 @dataclass(frozen=True)
@@ -51,15 +51,13 @@ class FrictionBalance(Balance):
             on = self.reactions
             kept = Reactions({**on.pin}, {**on.guide}, on.effort)
             slid_on = {body: [*acting] for body, acting in self.slid_on.items()}
-            X0 = self.loads(frictions, group, reactions=kept, slid_on=slid_on, far={})
+            X0 = self.loads(frictions, group, reactions=kept, slid_on=slid_on)
             units = [self.unit(one) for one in frictions]
-            columns = [
-                self.loads(frictions, group, reactions=Reactions(), slid_on={}, far={}, alone=unit) for unit in units
-            ]
+            columns = [self.loads(frictions, group, reactions=Reactions(), slid_on={}, alone=unit) for unit in units]
             w = self.settled(Loads(rubbing, X0, [*zip(*columns, strict=True)]))
             for one, unit, size in zip(frictions, units, w, strict=True):
                 on.friction[one.channel(self.scene)] = size
-                for body, acting in ((body, acting) for body, several in unit.items() for acting in several):
+                for body, acting in unit.items():
                     scaled = ActingForce(acting.force * size, acting.at, acting.moment * size)
                     self.slid_on.setdefault(body, []).append(scaled)
         super().balance(group)
@@ -117,10 +115,10 @@ class FrictionBalance(Balance):
         if isinstance(one, PinFriction):
             pin, none = one.pin(self.scene), samples(0j)
             moments = (pin.second, samples(1.0)), (pin.first, samples(-1.0))
-            return {body: [ActingForce(none, self.k.z[pin.point], moment)] for body, moment in moments}
+            return {body: ActingForce(none, self.k.z[pin.point], moment) for body, moment in moments}
         (along, _), first = self.guide(one.slider), self.k.z[self.scene.bodies[one.slider].points[0]]
         bodies = (one.slider, along), (self.scene.slides[one.slider].on, -along)
-        return {body: [ActingForce(force, first)] for body, force in bodies}
+        return {body: ActingForce(force, first) for body, force in bodies}
 
     def loads(self, frictions: Sequence[Friction], group: Dyad | Group | Leg, **others: Any) -> list[Any]:
         """The loads X of (1) of `friction` while the group is balanced under other loads."""

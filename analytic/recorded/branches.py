@@ -16,8 +16,8 @@ from scenes.drive import Driven, Samples
 
 from ..core.decomposition import decompose
 from ..core.groups.continuation import Track, comes_back
-from ..core.groups.group_equations import Group, length_of, sketched_coordinates, within_a_turn
-from ..core.groups.newton_group import ROUGHLY, assemble
+from ..core.groups.group_equations import Group, sketched_coordinates, within_a_turn
+from ..core.groups.newton_group import ROUGHLY, assemble, length_of
 from ..core.kinematics import followed
 from .arithmetics.in_numpy import NewtonsMethod, StraightLine
 from .expressions import Expression

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
-from ..core.groups.group_equations import FramePoses, GroupEquations, coordinates, in_plane, length_of
-from ..core.groups.newton_group import columns, own_jacobian, solved
+from ..core.groups.group_equations import FramePoses, GroupEquations, coordinates, in_plane
+from ..core.groups.newton_group import columns, length_of, own_jacobian, solved
 
 LONGEST = 0.5  # of the group's size: a step along a curve
 ASTRAY = 0.05  # of the group's size: so far off the curve a step was too long

@@ -17,17 +17,8 @@ from scenes.model.constraints import open_joint
 from scenes.model.motion import Samples
 
 from ..geometry import RigidBody
-from .group_equations import (
-    FramePoses,
-    Group,
-    GroupEquations,
-    Placed,
-    coordinates,
-    equations_of,
-    length_of,
-    sketched_coordinates,
-)
-from .newton_group import ROUGHLY, assemble, correction, own_jacobian, rates, refine
+from .group_equations import FramePoses, Group, GroupEquations, Placed, coordinates, equations_of, sketched_coordinates
+from .newton_group import ROUGHLY, assemble, correction, length_of, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 STRIDE = 16  # steps: so far apart poses are at first

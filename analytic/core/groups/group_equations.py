@@ -214,13 +214,6 @@ def sketched_coordinates(scene: Scene, group: Group, bodies: Mapping[str, RigidB
     return q
 
 
-def length_of(correction: Samples, size: float | Samples) -> Samples:
-    """The largest move of corrections of shape (..., m) of a group, or of groups each of its size, shape (...), m."""
-    moves = np.abs(correction)
-    moves[..., 2::3] *= np.asarray(size)[..., np.newaxis]
-    return np.asarray(moves.max(axis=-1))
-
-
 def in_plane(q: Samples) -> tuple[Complex, Samples]:
     """Return points and angles, each of shape (..., b), from coordinates of shape (..., 3 b), or their rates."""
     bodies = q.reshape(*q.shape[:-1], q.shape[-1] // 3, 3)

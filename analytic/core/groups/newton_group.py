@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
-from .group_equations import FramePoses, GroupEquations, Placed, in_plane, length_of
+from .group_equations import FramePoses, GroupEquations, Placed, in_plane
 
 CLOSED = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
 ROUGHLY = 1e-7  # of the group's size: the same near a singular pose, where roundings grow to their square root, 1e-8
@@ -20,6 +20,13 @@ LONGEST = 0.1  # of the group's size: a rough sketch must not throw the bodies a
 ITERATIONS = 200  # from the sketch
 
 Correction: TypeAlias = Callable[[Samples], Samples]  # of coordinates (..., m): what Newton's method takes off them
+
+
+def length_of(correction: Samples, size: float | Samples) -> Samples:
+    """The largest move of corrections of shape (..., m) of a group, or of groups each of its size, shape (...), m."""
+    moves = np.abs(correction)
+    moves[..., 2::3] *= np.asarray(size)[..., np.newaxis]
+    return np.asarray(moves.max(axis=-1))
 
 
 def assemble(correction: Correction, q: Samples, size: float | Samples) -> Samples:

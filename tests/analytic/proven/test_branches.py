@@ -11,7 +11,8 @@ import pytest
 import analytic
 from analytic.core.decomposition import decompose
 from analytic.core.groups.continuation import Track
-from analytic.core.groups.group_equations import Group, length_of
+from analytic.core.groups.group_equations import Group
+from analytic.core.groups.newton_group import length_of
 from analytic.core.kinematics import followed
 from analytic.proven import boxes, branches
 from analytic.recorded.arithmetics.taylor_models import TaylorModel
