@@ -112,12 +112,7 @@ def build(scene: Scene, settings: AnalyticSettings, request: Request) -> Analyti
 
 
 def half_angle_position(
-    d: Vectors,
-    distance: Samples,
-    r1: float,
-    r2: float,
-    reach: Samples,  # noqa: ARG001 - this form finds its own
-    branch: int,
+    d: Vectors, distance: Samples, r1: float, r2: float, _reach: Samples, branch: int
 ) -> tuple[Vectors, Vectors, Samples]:
     """Return p, q and p x q, as `dyads.rrr_position` does, from the angle of p by its half.
 

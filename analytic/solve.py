@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,10 +18,10 @@ from scenes.scene import ConstantSpeed, PressForce
 from .channels import FromBoth, all_channels, asked
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
 from .core.elements import Given
-from .core.groups.continuation import Track, misfit
+from .core.groups.continuation import misfit
 from .core.groups.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
-from .core.kinetostatics import Balance, Reactions
+from .core.kinetostatics import Reactions
 from .core.placing import Kinematics
 from .core.rubbing_joints import FrictionBalance
 from .recorded.arithmetics.in_numpy import StraightLine, blocks
@@ -72,15 +72,12 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
     return prepared(scene, decompose(scene), channels)
 
 
-def prepared(
-    scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = None, tracks: Mapping[Group, Track] | None = None
-) -> "Solver":
-    """Return the solver by a decomposition, of groups that are needed, followed unless there are `tracks` of them."""
+def prepared(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = None) -> "Solver":
+    """Return the solver by a decomposition, of groups that are needed."""
     request, needed = asked(scene, whole, channels)
-    linkage, forces = followed(scene, needed, tracks), request.wants_forces(scene)
-    end = cache(partial(stroke_end, scene, linkage))
+    linkage, forces = followed(scene, needed), request.wants_forces(scene)
     presses = {place: load for place, load in scene.elements if forces and isinstance(load, PressForce)}
-    ends = {place: end(load.body, load.closing) for place, load in presses.items()}
+    ends = {place: stroke_end(scene, linkage, load.body, load.closing) for place, load in presses.items()}
     return Solver(scene, linkage, ends, request, windings=windings(scene, linkage) if forces else {})
 
 
@@ -139,11 +136,9 @@ class Solver:
                 check_reach(scene, linkage, k, position[block])
                 on = Reactions()
                 if self.request.wants_forces(scene):
-                    kind = FrictionBalance if scene.friction else Balance
-                    balance = kind(scene, linkage, given, k)
-                    on = balance.solve(self.request.channels)
-                    if isinstance(balance, FrictionBalance):
-                        balance.check(self.request.channels, block.start, at)
+                    balance = FrictionBalance(scene, linkage, given, k)
+                    on = balance.solve()
+                    balance.check(block.start, at)
                 for names, take in self.channels.items():
                     rows[names][block] = take(k, on)
         return {

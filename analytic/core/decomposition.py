@@ -20,7 +20,7 @@ from scenes.scene import GROUND
 from .dyads import cross
 from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched, sketched_attitude
 from .groups.continuation import Track
-from .groups.group_equations import Group, PinJoint, SlideJoint
+from .groups.group_equations import Group, PinJoint
 from .numbers import Number, Vector, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
@@ -153,8 +153,6 @@ class _Placed:
     def __init__(self, scene: Scene, bodies: Mapping[str, RigidBody]) -> None:
         self.scene, self.bodies, self.at = scene, bodies, sketched(scene)
         self.points = set(scene.ground)
-        slides = [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
-        self.slid = {name: {other for pair in slides if name in pair for other in pair} for name in scene.bodies}
         self.carries: dict[str, tuple[str, ...]] = {}
 
     def add(self, name: str) -> None:
@@ -164,8 +162,7 @@ class _Placed:
     def outer(self, name: str) -> list[Leg]:
         """Return the joints by which a body hangs on what is placed."""
         pins: list[Leg] = [Pinned(name, point) for point in self.scene.bodies[name].points if point in self.points]
-        known = (GROUND, *self.carries) if self.slid[name] else ()
-        slides = (self.guided(name, other) for other in known if other in self.slid[name])
+        slides = (self.guided(name, other) for other in (GROUND, *self.carries))
         return pins + [guided for guided in slides if guided is not None]
 
     def guided(self, name: str, other: str) -> Guided | None:
@@ -245,7 +242,7 @@ def _fewest(placed: _Placed, left: list[str]) -> Group:
     subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
     groups = (larger_group(placed, bodies) for bodies in subsets)
     group = next(group for group in groups if _held(group) >= 0)
-    if _held(group) > 0:
+    if _held(group) > 0 or not group.hangs_on:
         raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(group.bodies)}")
     return group
 
@@ -268,10 +265,11 @@ def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
             if point in first:
                 pins.append(PinJoint(point, body, first[point]))
             first.setdefault(point, body)
-    slides = [SlideJoint(name, slide.on) for name, slide in placed.scene.slides.items()]
-    here = {GROUND, *placed.carries, *bodies}
-    own = tuple(one for one in slides if {one.slider, one.on} <= here and {one.slider, one.on} & {*bodies})
+
+    def joined(pair: tuple[str, str]) -> bool:
+        return {GROUND, *placed.carries, *bodies}.issuperset(pair) and not {*bodies}.isdisjoint(pair)
+
+    slides = tuple(pair for name, slide in placed.scene.slides.items() if joined(pair := (name, slide.on)))
     name = next((pin.point for pin in pins if pin.on is not None), bodies[0])
-    pair = placed.scene.drive.body, placed.scene.drive_on
-    driven = placed.scene.drive_on != GROUND and {*pair} <= here and not {*pair}.isdisjoint(bodies)
-    return Group(bodies, tuple(pins), own, name, pair if driven else None)
+    drive = placed.scene.drive.body, placed.scene.drive_on
+    return Group(bodies, tuple(pins), slides, name, drive if GROUND not in drive and joined(drive) else None)

@@ -119,9 +119,13 @@ class Loads:
         return w, bound
 
     def picked(self, rows: Any) -> "Loads":
-        """Those at some of the samples, where all arrays have the shape (r,)."""
-        rubbing = [Rubbing(one.of, one.sense[rows], one.viscous[rows], one.share[rows]) for one in self.rubbing]
-        return Loads(rubbing, [x[rows] for x in self.X0], [[s[rows] for s in row] for row in self.S])
+        """Those at the samples marked, each as an array of shape (r,)."""
+
+        def some(values: Any) -> Any:
+            return np.broadcast_to(values, rows.shape)[rows]
+
+        rubbing = [Rubbing(one.of, *map(some, (one.sense, one.viscous, one.share))) for one in self.rubbing]
+        return Loads(rubbing, [*map(some, self.X0)], [[*map(some, row)] for row in self.S])
 
     def stepped(self, w: Samples, factor: Any, steps: int, *, anywhere: bool = False) -> tuple[Samples, Any, Any]:
         """Newton's method from w, (r, K): where it ends, whether at a solution, and whether each step was much shorter.
@@ -149,9 +153,10 @@ class Loads:
         """The solution that the one without friction becomes, (r, K), and where it ends before the factor 1, (r,)."""
         w = -np.stack([one.viscous for one in self.rubbing], axis=-1)
         factor, step = np.zeros(len(w)), np.full(len(w), 0.25)
-        while (going := np.flatnonzero((factor < 1) & (step > LEAST_STEP))).size:
+        while (left := (factor < 1) & (step > LEAST_STEP)).any():
+            going = np.flatnonzero(left)
             trial = np.minimum(1.0, factor[going] + step[going])
-            found, good, near = self.picked(going).stepped(w[going], trial, NEWTON)
+            found, good, near = self.picked(left).stepped(w[going], trial, NEWTON)
             fine = good & near
             w[going[fine]], factor[going[fine]] = found[fine], trial[fine]
             step[going] *= np.where(fine, 2.0, 0.5)

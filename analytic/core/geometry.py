@@ -40,10 +40,6 @@ class RigidBody:
         """Return where the first point lies, body frame, m."""
         return next(iter(self.local.values()))
 
-    def arm(self, foot: str, tip: str) -> Vector:
-        """Return the vector from one point of the body to another, body frame, m."""
-        return self.local[tip] - self.local[foot]
-
 
 def rigid_body(scene: Scene, body: Body) -> RigidBody:
     """Return a body's frame coordinates and mass properties; the mass is zero in a kinematic scene."""

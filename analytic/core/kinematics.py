@@ -1,6 +1,5 @@
 """Position, velocity and acceleration of the whole linkage, group after group, for many positions at once."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,7 +13,7 @@ from scenes.scene import GROUND
 
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned, kind
 from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
-from .groups.continuation import Track, follow
+from .groups.continuation import follow
 from .groups.group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
 from .groups.newton_group import rates
 from .numbers import samples
@@ -31,9 +30,9 @@ def kinematics(
     return Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
 
 
-def followed(scene: Scene, whole: Linkage, tracks: Mapping[Group, Track] | None = None) -> Linkage:
-    """Return the linkage with the branch of every larger group, each followed over the drive's way unless given."""
-    known = dict(tracks or {})
+def followed(scene: Scene, whole: Linkage) -> Linkage:
+    """Return the linkage with the branch of every larger group, followed over the drive's way where it is not known."""
+    known = dict(whole.tracks)
     for number, group in enumerate(whole.groups):
         if isinstance(group, Group) and group not in known:
             before = replace(whole, groups=whole.groups[:number], tracks=dict(known))
@@ -55,13 +54,11 @@ class Pass(Placing):
         """Place everything."""
         if self.linkage.driver is not None:
             self.driver(self.linkage.driver)
-        forms = self.rrr, self.rrp, self.prp, self.rpr, self.rpp
-        dyads: Mapping[str, Callable[..., None]] = dict(zip(("RRR", "RRP", "PRP", "RPR", "RPP"), forms, strict=True))
         for group in self.linkage.groups:
             if isinstance(group, Group):
                 self.larger(group)
-            else:
-                dyads[kind(group)](group, *group.legs)
+            else:  # each kind of dyad has a method of its name
+                getattr(self, kind(group).lower())(group, *group.legs)
         return self
 
     def driver(self, driver: Leg) -> None:
@@ -185,30 +182,26 @@ class Pass(Placing):
         for b, body in enumerate(group.bodies):
             z, u, *moving = (values[..., b] for values in own)
             foot = self.scene.bodies[body].points[0]
-            if foot not in k.z:
-                k.z[foot] = z
-                if self.rates:
-                    k.v[foot], k.a[foot] = moving[:2]
+            k.z.setdefault(foot, z)
+            if self.rates:
+                k.v.setdefault(foot, moving[0])
+                k.a.setdefault(foot, moving[1])
             self.place(body, foot, u, (moving[2], moving[3]) if self.rates else None)
 
     def hung(self, group: Group) -> Placed:
         """Return the frames of what the group hangs on; a point's and the ground's do not turn."""
-        k, columns = self.k, len(group.hangs_on)
-        z, v, a = ([self.still] * columns for _ in range(3))
-        angle, omega, alpha = ([self.still.real] * columns for _ in range(3))
-        for column, name in enumerate(group.hangs_on):
+        k, still, frames = self.k, self.still, []
+        for name in group.hangs_on:
+            plane, turn = (still, still, still), (still.real, still.real, still.real)
             if name in self.scene.bodies:
-                z[column], v[column], a[column] = self.fixed(name, self.linkage.bodies[name].first)
-                angle[column] = np.angle(k.u[name])
-                if self.rates:
-                    omega[column], alpha[column] = k.omega[name], k.alpha[name]
+                plane = self.fixed(name, self.linkage.bodies[name].first)
+                turn = np.angle(k.u[name]), k.omega.get(name, still.real), k.alpha.get(name, still.real)
             elif name == "drive":
-                driven = self.driven
-                z[column], v[column], a[column] = (x + self.still for x in driven[:3])
-                angle[column], omega[column], alpha[column] = driven[:3]
+                turn = self.driven[:3]
+                plane = turn[0] + still, turn[1] + still, turn[2] + still
             elif name != GROUND:
                 point = name.removeprefix(".")
-                z[column], v[column], a[column] = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)
-        pose = FramePoses(*stacked(self.driven.position.shape, z, angle))
-        moving = (coordinates(*stacked(pose.z.shape[:-1], *one)) for one in ((v, omega), (a, alpha)))
-        return Placed(pose, *moving)
+                plane = k.z[point], k.v.get(point, still), k.a.get(point, still)
+            frames.append((*plane, *turn))
+        z, v, a, angle, omega, alpha = (stacked(self.driven.position.shape, of) for of in zip(*frames, strict=True))
+        return Placed(FramePoses(z, angle), coordinates(v, omega), coordinates(a, alpha))

@@ -4,14 +4,14 @@ A group is statically determinate once the groups that hang on it have passed on
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
-from collections.abc import Iterable, Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from scenes.model.motion import Samples, force_channels, friction_channels
+from scenes.model.motion import Samples
 
 from .decomposition import Dyad, Guided, InnerPin, InnerSlide, Leg, Pinned
 from .dyads import Vectors, cross, dot, inner_force
@@ -39,13 +39,11 @@ class Balance(Loading):
     reactions: Reactions = field(default_factory=Reactions)
     far: dict[str, tuple[Vectors, Samples]] = field(default_factory=dict)  # of legs with the drive in them, at P
     slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
-    alone: Mapping[str, list[ActingForce]] | None = None  # by body: in place of all other loads, and of inertia
+    alone: Mapping[str, ActingForce] | None = None  # by body: in place of all other loads, and of inertia
 
-    def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
-        """Return the reactions and the effort of the drive, balanced as long as one that is wanted is missing."""
+    def solve(self) -> Reactions:
+        """Return the reactions and the effort of the drive."""
         for group in reversed(self.linkage.groups):
-            if wanted is not None and self.has(wanted):
-                return self.reactions
             self.balance(group)
         if self.linkage.driver is not None:
             self.balance(self.linkage.driver)
@@ -53,21 +51,9 @@ class Balance(Loading):
 
     def balance(self, group: Dyad | Group | Leg) -> None:
         """Balance a group, or the driven body."""
-        if isinstance(group, InnerPin):
-            self.inner_pin(group)
-        elif isinstance(group, InnerSlide):
-            self.inner_slide(group)
-        elif isinstance(group, Group):
-            self.larger(group)
-        else:
-            self.driver(group)
-
-    def has(self, wanted: AbstractSet[str]) -> bool:
-        """Return whether all reactions wanted were found; what was, is final."""
-        known = {pin.channel for pin in self.scene.pins if (pin.point, pin.second) in self.reactions.pin}
-        forces = {*force_channels(self.scene), *friction_channels(self.scene)}
-        joints = {channel.rpartition(".")[0] for channel in wanted & forces}
-        return joints <= known | set(self.reactions.guide)
+        kinds: dict[type, Callable[[Any], None]]
+        kinds = {InnerPin: self.inner_pin, InnerSlide: self.inner_slide, Group: self.larger}
+        kinds.get(type(group), self.driver)(group)
 
     def inner_pin(self, dyad: InnerPin) -> None:
         """Balance a dyad with an inner pin."""
@@ -150,9 +136,7 @@ class Balance(Loading):
         N = -cross(t, force)
         at = self.k.z[self.scene.bodies[leg.slider].points[0]]
         reaction = 1j * t * N
-        M = -moment
-        if leg.slider != leg.body:
-            M = M - cross(at - self.k.z[self.foot(leg)], reaction)
+        M = -moment if leg.slider == leg.body else -moment - cross(at - self.k.z[self.foot(leg)], reaction)
         self.channel(leg, N, M)
         self.slid_on.setdefault(leg.on, []).append(ActingForce(-reaction, at, -M))
 
@@ -165,33 +149,34 @@ class Balance(Loading):
         """Balance a larger group by the transpose of its Jacobian: J^T forces + loads = 0, by virtual work."""
         _, _, J = self.k.jacobian[group.P]
         applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
-        loads = coordinates(*stacked(J.shape[:-2], *zip(*applied, strict=True)))
-        forces = np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0)
-        p, s = len(group.pins), len(group.slides)
-        x, y, guide_force, guide_moment, effort = np.split(forces, [p, 2 * p, 2 * p + s, 2 * (p + s)])
-        self.spread(group, x + 1j * y, guide_force, guide_moment, effort)
+        loads = coordinates(*(stacked(J.shape[:-2], of) for of in zip(*applied, strict=True)))
+        self.spread(group, np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0))
 
-    def spread(
-        self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any, effort: Any
-    ) -> None:
-        """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider, a drive."""
+    def spread(self, group: Group, forces: Iterable[Any]) -> None:
+        """Let a group's joints pass on what they do, in the order of its constraints.
+
+        Each pin does it on the body pinned, along x and y, each guide on the slider, a force and a moment, and a drive.
+        """
+        rest, p, s = iter(forces), len(group.pins), len(group.slides)
+        along_x, along_y, guide_force, guide_moment = ([*islice(rest, count)] for count in (p, p, s, s))
         if group.drive is not None:
-            self.reactions.effort = effort[0]
+            effort = self.reactions.effort = next(rest)
             for body, sign in zip(group.drive, (1, -1), strict=True) if self.scene.driven_slide is None else ():
                 at = self.k.z[self.scene.bodies[body].points[0]]
-                self.pass_on(group, body, ActingForce(samples(0j), at, sign * effort[0]))
-        for pin, on_body in zip(group.pins, on_pinned, strict=True):
+                self.pass_on(group, body, ActingForce(samples(0j), at, sign * effort))
+        for pin, x, y in zip(group.pins, along_x, along_y, strict=True):
+            on_body = x + 1j * y
             self.hold(pin.body, pin.point, on_body)
             if pin.on is not None:
                 self.hold(pin.on, pin.point, -on_body)
-        for slide, N, M in zip(group.slides, guide_force, guide_moment, strict=True):
-            self.reactions.guide[slide.slider] = N, M
-            along = self.k.u[slide.on] * as_complex(self.scene.slides[slide.slider].along)
+        for (slider, on), N, M in zip(group.slides, guide_force, guide_moment, strict=True):
+            self.reactions.guide[slider] = N, M
+            along = self.k.u[on] * as_complex(self.scene.slides[slider].along)
             reaction = N * (1j * along)
-            if group.drive is not None and slide.slider == self.scene.drive.body:
-                reaction = reaction + effort[0] * along
-            at = self.k.z[self.scene.bodies[slide.slider].points[0]]
-            for body, sign in ((slide.on, -1), (slide.slider, 1)):
+            if group.drive == (slider, on):
+                reaction = reaction + self.reactions.effort * along
+            at = self.k.z[self.scene.bodies[slider].points[0]]
+            for body, sign in ((on, -1), (slider, 1)):
                 self.pass_on(group, body, ActingForce(sign * reaction, at, sign * M))
 
     def pass_on(self, group: Group, body: str, acting: ActingForce) -> None:
@@ -216,7 +201,8 @@ class Balance(Loading):
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
         if self.alone is not None:
-            return resultant(self.alone.get(body, ()), self.k.z[foot], samples(0j), samples(0.0))
+            own = [self.alone[body]] if body in self.alone else []
+            return resultant(own, self.k.z[foot], samples(0j), samples(0.0))
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * (rigid.com - rigid.local[foot])
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])

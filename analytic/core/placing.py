@@ -131,14 +131,14 @@ class Placing:
 
     def place(self, body: str, foot: str, u: Vectors, spin: Spin | None) -> None:
         """Carry the body's own points along with its placed point `foot`."""
-        k, linkage = self.k, self.linkage
+        k, local = self.k, self.linkage.bodies[body].local
         k.u[body], k.foot[body] = u, foot
         if spin is not None:
             k.omega[body], k.alpha[body] = spin
             k.rate[body] = turned(*spin)
-        for point in linkage.carries[body]:
+        for point in self.linkage.carries[body]:
             if point not in k.z:
-                r = u * linkage.bodies[body].arm(foot, point)
+                r = u * (local[point] - local[foot])
                 k.z[point] = k.z[foot] + r
                 if spin is not None:
                     k.v[point] = k.v[foot] + r * (1j * spin[0])
@@ -147,7 +147,8 @@ class Placing:
     def bar(self, leg: Pinned, P: str) -> Vector:
         """The arm of a leg from its outer pin to the inner one, m."""
         if leg.via is None:
-            return self.linkage.bodies[leg.body].arm(leg.A, P)
+            local = self.linkage.bodies[leg.body].local
+            return local[P] - local[leg.A]
         arm, rate, acceleration = self.arm(leg, P)
         self.changing[leg] = rate / arm, acceleration / arm
         return arm

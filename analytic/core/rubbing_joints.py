@@ -1,7 +1,6 @@
 """Kinetostatics with friction: each group's joints take what they rub by as loads, found from unit loads."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from collections.abc import Set as AbstractSet
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
@@ -25,7 +24,7 @@ from .placing import Kinematics
 
 PARTS = 50  # of what is left of a range of shares, whose ends are tried at once
 CLOSE = 1e-8  # of a coefficient, how closely its share is found
-Unit: TypeAlias = Mapping[str, list[ActingForce]]  # what one unit of a friction does, by body
+Unit: TypeAlias = Mapping[str, ActingForce]  # what one unit of a friction does, by body
 
 
 @dataclass(frozen=True)
@@ -35,10 +34,10 @@ class FrictionBalance(Balance):
     shares: Mapping[str, Samples] = field(default_factory=dict)  # of coefficients, by channel; all of them by default
     stuck: dict[Status, Any] = field(default_factory=dict)  # where it is jammed or undetermined, shape (n,)
 
-    def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
-        """Return what `Balance.solve` does, and the friction's power where all of it was found."""
-        on = super().solve(wanted)
-        if on.friction and len(on.friction) == len(self.scene.friction):
+    def solve(self) -> Reactions:
+        """Return what `Balance.solve` does, and the friction's power."""
+        on = super().solve()
+        if on.friction:
             power = (on.friction[one.channel(self.scene)] * self.motion(one)[0] for one in self.scene.friction)
             on.friction["friction.power"] = reduce(np.add, power)
         return on
@@ -52,15 +51,13 @@ class FrictionBalance(Balance):
             on = self.reactions
             kept = Reactions({**on.pin}, {**on.guide}, on.effort)
             slid_on = {body: [*acting] for body, acting in self.slid_on.items()}
-            X0 = self.loads(frictions, group, reactions=kept, slid_on=slid_on, far={})
+            X0 = self.loads(frictions, group, reactions=kept, slid_on=slid_on)
             units = [self.unit(one) for one in frictions]
-            columns = [
-                self.loads(frictions, group, reactions=Reactions(), slid_on={}, far={}, alone=unit) for unit in units
-            ]
+            columns = [self.loads(frictions, group, reactions=Reactions(), slid_on={}, alone=unit) for unit in units]
             w = self.settled(Loads(rubbing, X0, [*zip(*columns, strict=True)]))
             for one, unit, size in zip(frictions, units, w, strict=True):
                 on.friction[one.channel(self.scene)] = size
-                for body, acting in ((body, acting) for body, several in unit.items() for acting in several):
+                for body, acting in unit.items():
                     scaled = ActingForce(acting.force * size, acting.at, acting.moment * size)
                     self.slid_on.setdefault(body, []).append(scaled)
         super().balance(group)
@@ -118,10 +115,10 @@ class FrictionBalance(Balance):
         if isinstance(one, PinFriction):
             pin, none = one.pin(self.scene), samples(0j)
             moments = (pin.second, samples(1.0)), (pin.first, samples(-1.0))
-            return {body: [ActingForce(none, self.k.z[pin.point], moment)] for body, moment in moments}
+            return {body: ActingForce(none, self.k.z[pin.point], moment) for body, moment in moments}
         (along, _), first = self.guide(one.slider), self.k.z[self.scene.bodies[one.slider].points[0]]
         bodies = (one.slider, along), (self.scene.slides[one.slider].on, -along)
-        return {body: [ActingForce(force, first)] for body, force in bodies}
+        return {body: ActingForce(force, first) for body, force in bodies}
 
     def loads(self, frictions: Sequence[Friction], group: Dyad | Group | Leg, **others: Any) -> list[Any]:
         """The loads X of (1) of `friction` while the group is balanced under other loads."""
@@ -150,12 +147,7 @@ class FrictionBalance(Balance):
         hard = np.broadcast_to(~(bound < 1), position.shape) & np.isfinite(reduce(np.add, loads.X0))
         if not hard.any():
             return w
-
-        def whole(values: Any) -> Any:
-            return np.broadcast_to(values, position.shape)
-
-        every = [Rubbing(one.of, *map(whole, (one.sense, one.viscous, one.share))) for one in loads.rubbing]
-        rows = Loads(every, [*map(whole, loads.X0)], [[*map(whole, row)] for row in loads.S]).picked(hard)
+        rows = loads.picked(hard)
         with np.errstate(all="ignore"):
             found, held = rows.continued()
             several = held if held.any() else rows.several(found)
@@ -163,19 +155,19 @@ class FrictionBalance(Balance):
         if several.any():
             status = Status.jammed if held.any() else Status.undetermined
             self.stuck.setdefault(status, np.zeros(position.shape, np.bool_))[np.flatnonzero(hard)[several]] = True
-        w = [np.array(whole(one)) for one in w]
+        w = [np.array(np.broadcast_to(one, position.shape)) for one in w]
         for one, column in zip(w, found.T, strict=True):
             one[hard] = column
         return w
 
-    def check(self, wanted: AbstractSet[str] | None, first: int, at: Callable[[Any], tuple[Given, Kinematics]]) -> None:
+    def check(self, first: int, at: Callable[[Any], tuple[Given, Kinematics]]) -> None:
         """Raise Failure, `jammed` or else `undetermined`, at the first position where no friction, or several, fit.
 
         These positions begin with number `first` of those of `at`, which takes several.
         """
-        status = next((one for one in (Status.jammed, Status.undetermined) if one in self.stuck), None)
-        if status is None:
+        if not self.stuck:
             return
+        status = Status.jammed if Status.jammed in self.stuck else Status.undetermined
         row = int(self.stuck[status].argmax())
         position = float(self.given["position"][row])
         where = self.scene.where(position)
@@ -183,13 +175,13 @@ class FrictionBalance(Balance):
             raise Failure(status, f"friction leaves several sets of forces at {where}", at=(position, ""))
 
         def jam() -> str:
-            passing = self.passing(wanted, lambda count: at(np.full(count, first + row)))
+            passing = self.passing(lambda count: at(np.full(count, first + row)))
             return f"friction jams it at {where}: it passes with {passing}"
 
         raise Failure(status, jam, at=(position, ""))
 
     @np.errstate(all="ignore")
-    def passing(self, wanted: AbstractSet[str] | None, at: Callable[[int], tuple[Given, Kinematics]]) -> str:
+    def passing(self, at: Callable[[int], tuple[Given, Kinematics]]) -> str:
         """With how much of all coefficients it passes at a position, and which joint's coefficient alone frees it.
 
         `at` has the position so many times: each with a share of its own of some coefficients.
@@ -203,7 +195,7 @@ class FrictionBalance(Balance):
             shares = 1 - (1 - trial[..., np.newaxis]) * cut[:, np.newaxis]
             by_channel = dict(zip(channels, shares.reshape(-1, K).T, strict=True))
             balance = FrictionBalance(scene, self.linkage, *at(trial.size), shares=by_channel)
-            balance.solve(wanted)
+            balance.solve()
             jams = balance.stuck.get(Status.jammed, np.zeros(trial.size, np.bool_)).reshape(trial.shape)
             beyond = np.maximum(jams.argmax(axis=1), 1)
             low, high = (trial[range(K + 1), number] for number in (beyond - 1, beyond))

@@ -61,7 +61,7 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
             continue
         off = [np.ravel(z[point])[0] - complex(*xy) for point, xy in scene.sketch.points.items()]
         meant = all(np.all(np.abs(z[point] - own[point]) <= SAME * way.arm) for point in scene.moving_points)
-        motion = prepared(scene, way, channels, way.tracks)(at, np.zeros(1))
+        motion = prepared(scene, way, channels)(at, np.zeros(1))
         away = float(np.linalg.norm(off)) / sqrt(len(off) or 1)
         made.append(Assembly(motion, meant, away, *known.get(_branches(way), (None, ()))))
     made.sort(key=lambda one: one.off_sketch)

@@ -60,16 +60,14 @@ def poses(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[
 
     `placed` are the frames that it hangs on, shape (frames,), and `drive` is the position of its drive, if it has one.
     """
-    b, p, on = equations.bodies, len(equations.S), equations.on
-    joints, arms = np.concatenate([equations.S, equations.T]), np.concatenate([equations.R, equations.E])
+    b, p, on, joints, arms = equations.bodies, equations.pins, equations.on, equations.S, equations.R
     shown = _attitudes(equations, placed)
     null = np.linalg.svd(joints[:, :b])[0][:, b:].conj().T  # of full rank: else a body would hang on nothing
-    free = [k for k in range(len(on)) if k != equations.driven]
+    free = [k for k in range(len(on)) if k not in equations.driven]
     guides = -equations.along[:, np.newaxis] * shown[on]  # (s, C + 1)
     W = null @ arms @ shown
     W[:, 0] += null @ (joints[:, b:] @ placed.z)
-    if equations.driven is not None:
-        W += drive * null[:, [p + equations.driven]] * guides[equations.driven]
+    W += drive * null[:, p + equations.driven] @ guides[equations.driven]
     loops = Loops(W, null[:, [p + k for k in free]][..., np.newaxis] * guides[free])
     reach = np.abs(arms).sum() + np.abs(joints[:, b:] @ placed.z).sum() + abs(drive)
     angles = shown.shape[1] - 1
@@ -88,14 +86,10 @@ def _attitudes(equations: GroupEquations, placed: FramePoses) -> Complex:
 
     Frames that joints keep parallel, or the drive at an angle, turn together, what is placed not at all.
     """
-    b, frames, ties = equations.bodies, equations.S.shape[1], equations.T
-    joined = np.abs(ties).T @ np.abs(ties) + np.eye(frames) > 0
-    if len(equations.G) and equations.driven is None:
-        ties = np.concatenate([ties, equations.G])
-        unused = np.abs(np.concatenate([equations.S, equations.T])).sum(axis=0) == 0
-        drive = (unused & (equations.G[0] == -1)).argmax()  # the frame that stands for it: no joint is at that
-        pair = (equations.G[0] != 0) & (np.arange(frames) != drive)
-        joined |= np.outer(pair, pair)
+    b, frames, ties = equations.bodies, equations.S.shape[1], equations.A
+    tied = np.abs(ties)
+    tied[len(equations.on) :, -1] = 0  # not with the frame that stands for the drive
+    joined = tied.T @ tied + np.eye(frames) > 0
     angles = np.linalg.lstsq(ties[:, :b], -ties[:, b:] @ placed.angle, rcond=None)[0]
     joined[b:, b:] = True
     placed_first = np.roll(np.arange(frames), frames - b)

@@ -15,9 +15,9 @@ from scenes import Scene
 from scenes.drive import Driven, Samples
 
 from ..core.decomposition import decompose
-from ..core.groups.continuation import SAME, Track
-from ..core.groups.group_equations import Group, length_of, sketched_coordinates, within_a_turn
-from ..core.groups.newton_group import ROUGHLY, assemble
+from ..core.groups.continuation import Track, comes_back
+from ..core.groups.group_equations import Group, sketched_coordinates, within_a_turn
+from ..core.groups.newton_group import ROUGHLY, assemble, length_of
 from ..core.kinematics import followed
 from .arithmetics.in_numpy import NewtonsMethod, StraightLine
 from .expressions import Expression
@@ -85,11 +85,10 @@ def _poses(
     off = q[:, [at]] - sketched
     off[..., 2::3] = within_a_turn(off[..., 2::3])
     changed = length_of(np.diff(q - track.q, axis=1), size)
-    beside = changed <= BESIDE * track.equations.length(np.diff(track.q, axis=0)) + ROUGHLY * size
+    beside = changed <= BESIDE * length_of(np.diff(track.q, axis=0), track.equations.size) + ROUGHLY * size
     known = np.repeat(length_of(off, size) <= ROUGHLY * size, len(track.q), axis=1)
     known[:, at + 1 :] &= np.logical_and.accumulate(beside[:, at:], axis=1)
     known[:, :at] &= np.logical_and.accumulate(beside[:, :at][:, ::-1], axis=1)[:, ::-1]
-    if track.position[-1] - track.position[0] > track.turn - track.step and track.comes_back:
-        turned = np.abs(np.exp(1j * q[:, -1, 2::3]) - np.exp(1j * q[:, 0, 2::3])).max(axis=-1) <= SAME
-        known &= (turned & known.all(axis=1))[:, np.newaxis]
+    if track.position[-1] - track.position[0] > track.turn - track.step and comes_back(track.q):
+        known &= (comes_back(q) & known.all(axis=1))[:, np.newaxis]
     return np.where(known[..., np.newaxis], q, np.nan)

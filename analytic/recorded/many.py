@@ -208,7 +208,7 @@ class ManySolver:
         one = self.scene.with_numbers({path: float(values[machine, 0]) for path, values in self.numbers.items()})
         whole, tracks = decompose(one), self.tracks[machine] if self.tracks is not None and followed else {}
         own = {g: replace(track, equations=equations_of(one, whole.bodies, g)) for g, track in tracks.items()}
-        self.cores[machine] = prepared(one, whole, self.program.request.channels, own)
+        self.cores[machine] = prepared(one, replace(whole, tracks=own), self.program.request.channels)
         return self.cores[machine]
 
 

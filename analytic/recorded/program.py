@@ -95,7 +95,7 @@ def recorded(
                 strokes[place] = s, ds
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
-        on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve(channels)
+        on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve()
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):
@@ -178,14 +178,13 @@ class RecordedPass(Pass):
             other = self.k.z[pin.point] if pin.on is None else at(pin.on, bodies[pin.on].local[pin.point])
             gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
         offsets, turns, driven = [], [], []
-        for joint in group.slides:
-            slide = self.scene.slides[joint.slider]
-            u_on = frames[joint.on][1]
-            away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
+        for slider, on in group.slides:
+            slide, u_on = self.scene.slides[slider], frames[on][1]
+            away = frames[slider][0] - at(on, as_complex(slide.through))
             D = (u_on * as_complex(slide.along)).conjugate() * away  # along the guide, and across it
             offsets.append(D.imag)
-            turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
-            if group.drive is not None and self.scene.drive.body == joint.slider:
+            turns.append((u_on.conjugate() * frames[slider][1]).imag)  # the angle between them, which is zero
+            if group.drive == (slider, on):
                 driven = [D.real - self.driven.position]
         if group.drive is not None and self.scene.driven_slide is None:
             (_, u), (_, u_on) = (frames[name] for name in group.drive)
@@ -231,11 +230,7 @@ class RecordedBalance(FrictionBalance):
             loads += [make("negative", one) for one in (force.x, force.y, moment.x)]
         m = len(loads)
         system = make.system([J[m * row + column] for column in range(m) for row in range(m)], loads)
-        forces = [make.component(system, i) for i in range(len(loads))]
-        p, s = len(group.pins), len(group.slides)
-        pins = [Traced(make, x, y) for x, y in zip(forces[:p], forces[p : 2 * p], strict=True)]
-        guides = [Traced(make, x) for x in forces[2 * p :]]
-        self.spread(group, pins, guides[:s], guides[s : 2 * s], guides[2 * s :])  # type: ignore[arg-type]
+        self.spread(group, [Traced(make, make.component(system, i)) for i in range(m)])
 
 
 class BoundedBalance(RecordedBalance):

@@ -71,10 +71,10 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     """
     turn, start = 2 * pi if scene.driven_slide is None else inf, scene.drive.start
     least, most = scene.drive.extent if turn == inf else (start, start + turn)
-    without, within = changes(lambda x: _unreached(scene, linkage, x) == "", least, most)
+    without, within = changes(lambda x: unreached(scene, linkage, x) == "", least, most)
     if not len(within):
         return []
-    ends = [(float(x), str(joint)) for x, joint in zip(within, _unreached(scene, linkage, without), strict=True)]
+    ends = [(float(x), str(joint)) for x, joint in zip(within, unreached(scene, linkage, without), strict=True)]
     if within[0] < without[0]:  # the way begins within an interval, which begins a turn before its last edge
         ends = [(ends[-1][0] - turn, ends[-1][1]), *ends[:-1]] if turn < inf else [(least, ""), *ends]
     if len(ends) % 2:
@@ -86,7 +86,7 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     return sorted(intervals, key=lambda interval: interval.start)
 
 
-def _unreached(scene: Scene, linkage: Linkage, position: Samples) -> NDArray[np.str_]:
+def unreached(scene: Scene, linkage: Linkage, position: Samples) -> NDArray[np.str_]:
     """Name for each position the inner joint of the first group that does not reach, or none by an empty text."""
     reach = motion_at(scene, linkage, position, rates=False).reach
     fails = [np.broadcast_to(~(each >= 0), position.shape) for each in (np.array(0.0), *reach.values())]
@@ -98,12 +98,12 @@ def describe(scene: Scene, linkage: Linkage, position: float) -> str:
     body, turns = scene.drive.body, scene.driven_slide is None
     intervals = motion_range(scene, linkage)
     stops = {group.P: in_line(group) for group in linkage.groups} | {"": "the end of its way"}
-    if not intervals and not _unreached(scene, linkage, np.array([scene.drive.start]))[0]:
+    if not intervals and not unreached(scene, linkage, np.array([scene.drive.start]))[0]:
         least, most = scene.drive.extent
         if not turns and not least <= position <= most:
             return f"the {body} slides freely all its way, from {scene.position(least)} to {scene.position(most)}"
         gap = scene.position((2 * pi if turns else most - least) / SAMPLES)
-        why = stops[str(_unreached(scene, linkage, np.array([position]))[0])]
+        why = stops[str(unreached(scene, linkage, np.array([position]))[0])]
         return f"the {body} {'turns' if turns else 'slides'} freely but for gaps narrower than {gap} ({why})"
     if not intervals:
         return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scenes.model.motion import Samples
 
 from ..core.groups.group_equations import FramePoses, GroupEquations, coordinates, in_plane
-from ..core.groups.newton_group import columns, own_jacobian, solved
+from ..core.groups.newton_group import columns, length_of, own_jacobian, solved
 
 LONGEST = 0.5  # of the group's size: a step along a curve
 ASTRAY = 0.05  # of the group's size: so far off the curve a step was too long
@@ -44,18 +44,20 @@ def to_lock(equations: GroupEquations, pose: FramePoses) -> Samples:
 
 def _lengths(equations: GroupEquations) -> Iterator[GroupEquations]:
     """Yield what a unit of each length adds to the constraints: of a link in its last pin, of a guide at its point."""
-    none = replace(equations, **{name: 0 * getattr(equations, name) for name in "SRTEG"})
+    none = replace(equations, **{name: 0 * getattr(equations, name) for name in "SRAG"})
+
+    def longer(joint: int, frame: int, way: complex) -> GroupEquations:
+        R = none.R.copy()
+        R[joint, frame] = way
+        return replace(none, R=R)
+
     for link in range(equations.bodies):
-        pins = np.flatnonzero(equations.S[:, link])
-        if len(pins) == 2 and not equations.T[:, link].any():
-            first, last = equations.S[pins, link] * equations.R[pins, link]
-            unit = replace(none, R=none.R.copy())
-            unit.R[pins[1], link] = equations.S[pins[1], link] * (last - first) / np.abs(last - first)
-            yield unit
+        joints = np.flatnonzero(equations.S[:, link])
+        if len(joints) == 2 and joints[1] < equations.pins:
+            first, last = equations.S[joints, link] * equations.R[joints, link]
+            yield longer(joints[1], link, equations.S[joints[1], link] * (last - first) / np.abs(last - first))
     for guide, on in enumerate(equations.on):
-        unit = replace(none, E=none.E.copy())
-        unit.E[guide, on] = 1j * equations.along[guide]
-        yield unit
+        yield longer(equations.pins + guide, on, 1j * equations.along[guide])
 
 
 def _extreme(
@@ -69,7 +71,7 @@ def _extreme(
     path = np.stack([x, tangent, 0 * x], axis=1)  # a place on the curve, the tangent there, and its change
     for _ in range(ROUNDS):
         back, *ahead = _along(equations, unit, placed, x, path[:, 1])
-        astray = equations.length(back[:, :-1])
+        astray = length_of(back[:, :-1], equations.size)
         near = astray <= ASTRAY * equations.size
         path = np.where(near[:, None, None], np.stack([x + back, *ahead], axis=1), path)
         on, slope, bend = sense * np.moveaxis(path[..., -1], -1, 0)
@@ -95,7 +97,7 @@ def _along(
     `x` is q and l, shape (n, m + 1), near the curve, and `before` a tangent nearby.
     """
     pose, longer = equations.pose(x[:, :-1], placed), x[:, -1, None, None]
-    off = replace(equations, R=equations.R + longer * unit.R, E=equations.E + longer * unit.E)
+    off = replace(equations, R=equations.R + longer * unit.R)
     across = _with(before[:, :-1] * equations.arms**2, 0)
     beside = np.append(own_jacobian(off, pose), unit.open(pose)[..., None], axis=-1)
     matrix, C = np.append(beside, across[:, None], axis=1), off.open(pose)

@@ -16,7 +16,7 @@ from scenes.model.motion import Samples
 from ..core.decomposition import Linkage, decompose
 from ..core.geometry import guide_of
 from ..core.kinematics import followed
-from .motion_range import SAMPLES, changes, describe, motion_at, zeros
+from .motion_range import SAMPLES, changes, describe, motion_at, unreached, zeros
 
 STILL = 1e-12  # of the longest arm: roundings of a slider that stands still
 
@@ -63,10 +63,9 @@ def inverse(
     displaced = displacement(scene, linkage, scene.output)
     least, most = scene.drive.extent
     way = np.linspace(least, most, SAMPLES)
-    along = displaced(way)[0]
-    if np.isnan(along).any():
-        raise Failure(Status.cannot_assemble, describe(scene, linkage, float(way[np.isnan(along)][0])))
-    if not np.ptp(along) > STILL * linkage.arm:
+    if (apart := unreached(scene, linkage, way) != "").any():
+        raise Failure(Status.cannot_assemble, describe(scene, linkage, float(way[apart][0])))
+    if not np.ptp(displaced(way)[0]) > STILL * linkage.arm:
         raise InputError(f"{scene.output} stands still wherever the drive is: its motion does not give the drive's")
     if scene.driven_slide is not None or most - least < 2 * pi - 1e-9:
         ends = [least, *dead_points(displaced, least, most), most]
@@ -98,9 +97,8 @@ def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
     guide_of(scene, point)  # which refuses a point without one
 
     def displaced(position: Samples) -> tuple[Samples, Samples, Samples]:
-        shape = np.zeros(np.shape(position))
-        s, ds, dds = motion_at(scene, linkage, position).displaced(scene, point)
-        return s + shape, ds + shape, dds + shape
+        s, ds, dds, _ = np.broadcast_arrays(*motion_at(scene, linkage, position).displaced(scene, point), position)
+        return s, ds, dds
 
     return displaced
 

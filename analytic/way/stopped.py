@@ -50,5 +50,5 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     if not len(way):
         return None
     places = frozenset(c for c in kinematic_channels(scene)[2:] if c.rpartition(".")[2] in ("x", "y", "angle"))
-    motion = prepared(scene, linkage, places, linkage.tracks)(way, np.zeros(len(way)))
+    motion = prepared(scene, linkage, places)(way, np.zeros(len(way)))
     return MotionRange(motion, joint, ways)

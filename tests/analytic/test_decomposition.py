@@ -1,5 +1,7 @@
 """Which groups a linkage is made of; branches that a sketch leaves open and bodies held twice over are refused."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,31 @@ def test_bodies_held_twice_over_are_refused() -> None:
     """The count is right as a whole: the rod dangles, but the stay is held by two pins."""
     with pytest.raises(Failure, match="more joints than freedoms hold stay") as caught:
         analytic.solve(scene_files.load("held_twice"), [0.0])
+    assert caught.value.status is Status.unsupported
+
+
+AFLOAT = """
+format = 1
+name = "afloat"
+ground.points = { O = [0, 0], C = [4, 0] }
+bodies.crank.lengths = { "O-A" = 1 }
+bodies.link.lengths = { "A-S" = 1.5 }
+bodies.other.lengths = { "S-R" = 1.5 }
+bodies.plate.points = { P = [0, 0], Q = [1, 0], R = [0, -1] }
+bodies.cover.points = { P = [0, 0], Q = [1, 0] }
+bodies.cover.slides = { on = "plate", through = [0, 0], along = [1, 0] }
+drive = { body = "crank", speed = 1 }
+sketch = { angle = 1.0, A = [0.5, 0.8], S = [1.5, 1.5], P = [0.4, 2], R = [0.4, 1], Q = [1.4, 2] }
+output = { point = "R" }
+"""
+
+
+def test_bodies_that_hold_only_each_other_are_refused(tmp_path: Path) -> None:
+    """The count is right of a plate and its cover too, but what they hang on holds neither of them."""
+    path = tmp_path / "afloat.toml"
+    path.write_text(AFLOAT)
+    with pytest.raises(Failure, match="more joints than freedoms hold plate, cover") as caught:
+        analytic.solve(scenes.load(path), [0.0])
     assert caught.value.status is Status.unsupported
 
 

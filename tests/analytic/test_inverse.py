@@ -137,6 +137,8 @@ def test_what_does_not_assemble_all_the_way_is_refused() -> None:
     with pytest.raises(Failure, match="the crank turns only from") as caught:
         analytic.inverse(scene, 1.0)
     assert caught.value.status is Status.cannot_assemble
+    with pytest.raises(Failure, match="the guides of block and slider parallel"):  # beyond, they cross all the same
+        analytic.inverse(scene_files.load("slotted_crank"), 1.0)
     part = scene_files.load("slider_crank", {**SHORT_ROD, "drive.start": -0.4, "drive.end": 0.3})
     (forth, back) = analytic.inverse(part, 1.45)
     assert forth.position[0] == pytest.approx(-back.position[0], abs=1e-13)  # s' is 0.8 there

@@ -18,7 +18,7 @@ from scenes.model.motion import Samples
 
 from ..geometry import RigidBody
 from .group_equations import FramePoses, Group, GroupEquations, Placed, coordinates, equations_of, sketched_coordinates
-from .newton_group import ROUGHLY, assemble, correction, own_jacobian, rates, refine
+from .newton_group import ROUGHLY, assemble, correction, length_of, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 STRIDE = 16  # steps: so far apart poses are at first
@@ -46,11 +46,6 @@ class Track:
     ddq: Samples  # (N, m)
     branch: float  # the sign of det J: it changes where the branch meets another
 
-    @property
-    def known(self) -> NDArray[np.bool_]:
-        """Which poses were reached, shape (N,)."""
-        return np.asarray(~np.isnan(self.q[:, 0]))
-
     def guess(self, position: Samples) -> tuple[Samples, Samples]:
         """Where Newton's method begins at positions of the drive, shape (n, m), and how far off a pose may be, (n,), m.
 
@@ -63,12 +58,12 @@ class Track:
     def ahead(self, h: Samples) -> tuple[Samples, Samples]:
         """The same as `guess`, from each pose to the position that is h further, shape (N,)."""
         guess = self.q + h[:, None] * (self.dq + h[:, None] / 2 * self.ddq)
-        return guess, ASTRAY * self.equations.length(guess - self.q) + ROUGHLY * self.equations.size
+        return guess, ASTRAY * length_of(guess - self.q, self.equations.size) + ROUGHLY * self.equations.size
 
     def at(self, guess: Samples, allowed: Samples, placed: FramePoses) -> tuple[FramePoses, Samples]:
         """All frames near guesses, and their Jacobian, shape (n, m, 3 frames), NaN where there is no branch."""
         q, closed = refine(correction(self.equations, placed), guess, self.equations.size)
-        closed &= self.equations.length(q - guess) <= allowed
+        closed &= length_of(q - guess, self.equations.size) <= allowed
         pose = self.equations.pose(q, placed)
         J = self.equations.jacobian(pose)
         closed &= np.linalg.slogdet(J[..., : q.shape[-1]])[0] == self.branch
@@ -86,12 +81,6 @@ class Track:
         dq, ddq = rates(self.equations, pose, J, hung)
         return replace(self, position=position, q=q, dq=dq, ddq=ddq)
 
-    @property
-    def comes_back(self) -> bool:
-        """Whether the last pose is the first one again."""
-        last, first = (np.exp(1j * self.q[row, 2::3]) for row in (-1, 0))
-        return bool(np.abs(last - first).max() <= SAME)
-
     def rows(self, which: slice | NDArray[np.intp] | NDArray[np.bool_]) -> "Track":
         """Some of the poses."""
         q, dq, ddq = (values[which] for values in (self.q, self.dq, self.ddq))
@@ -106,9 +95,10 @@ class Track:
         """Return how far the parabola through each pose is off the one before, of how far it may be, shape (N,)."""
         # Above one, no position between may be found: a step can leap over a singular configuration, near which a
         # parabola holds for less than a step.
-        h, move = (before.position - self.position)[:, None], self.equations.length(self.q - before.q)
-        off = self.equations.length(self.q + h * (self.dq + h / 2 * self.ddq) - before.q)
-        return np.asarray(off / (SMOOTH * move + ROUGHLY * self.equations.size))
+        h, size = (before.position - self.position)[:, None], self.equations.size
+        move = length_of(self.q - before.q, size)
+        off = length_of(self.q + h * (self.dq + h / 2 * self.ddq) - before.q, size)
+        return np.asarray(off / (SMOOTH * move + ROUGHLY * size))
 
     def _within(self, difference: Samples, least: float) -> Samples:
         """Return the difference less the whole turns that leave it at `least` or up to a turn above."""
@@ -123,18 +113,13 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     first = _begun(scene, group, bodies, placed)
     start, step, turn = scene.sketch.drive, first.step, first.turn
     least, most = scene.drive.extent
-    if not first.known.all():
-        at_sketch = np.array([sketched_coordinates(scene, group, bodies)]), placed(first.position).pose
-        open_by = misfit(scene, group, first.equations, *at_sketch)
-        why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
-        raise Failure(Status.cannot_assemble, why, at=(start, group.P))
     if scene.driven_slide is not None:
         return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
     forward = _march(first, placed, turn)
     ahead = forward.position[-1] - start
     if ahead < turn - SMALLEST * step:
         return _both(_march(first, placed, ahead - turn), forward)
-    if forward.comes_back:
+    if comes_back(forward.q):
         return forward
     if most - least > turn - step:
         why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
@@ -145,21 +130,22 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
 
 
 def _begun(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
-    """The pose at the sketch, q of shape (1, m); NaN for none."""
-    equations, position = equations_of(scene, bodies, group), np.array([scene.sketch.drive])
+    """The pose at the sketch, q of shape (1, m), or Failure."""
+    equations, start = equations_of(scene, bodies, group), scene.sketch.drive
     turn = 2 * pi if scene.driven_slide is None else inf
-    least, most = scene.drive.extent
-    step = (2 * pi if scene.driven_slide is None else most - least) / STEPS
+    step = (turn if turn < inf else np.ptp(scene.drive.extent)) / STEPS
+    position, rough = np.array([start]), np.array([sketched_coordinates(scene, group, bodies)])
     hung = placed(position)
-    q = assemble(
-        correction(equations, hung.pose), np.array([sketched_coordinates(scene, group, bodies)]), equations.size
-    )
+    q = assemble(correction(equations, hung.pose), rough, equations.size)
     pose = equations.pose(q, hung.pose)
     J = equations.jacobian(pose)
     branch = float(np.linalg.slogdet(J[..., : q.shape[-1]])[0][0])
     first = Track(equations, step, turn, position, q, *rates(equations, pose, J, hung), branch)
-    pose, J = first.at(*first.ahead(np.zeros(1)), hung.pose)
-    return replace(first, q=np.where(np.isnan(J[:, :1, 0]), np.nan, q))
+    if np.isnan(first.at(*first.ahead(np.zeros(1)), hung.pose)[1]).any():
+        open_by = misfit(scene, group, equations, rough, hung.pose)
+        why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
+        raise Failure(Status.cannot_assemble, why, at=(start, group.P))
+    return first
 
 
 def _march(first: Track, placed: PlacedAt, way: float) -> Track:
@@ -199,7 +185,7 @@ def _filled(track: Track, placed: PlacedAt) -> Track | None:
         if np.abs(apart[halved]).min() < SMALLEST * track.step:
             return None
         between = before.rows(halved).moved(apart[halved] / 2, placed)
-        if not between.known.all():
+        if np.isnan(between.q).any():
             return None
         order = np.argsort(np.r_[: len(apart) + 1, halved + 0.5], kind="stable")
         track = _joined([track, between]).rows(order)
@@ -208,7 +194,7 @@ def _filled(track: Track, placed: PlacedAt) -> Track | None:
 def misfit(scene: Scene, group: Group, equations: GroupEquations, q: Samples, placed: FramePoses) -> str:
     """Return which joint of a group stays open when all others close, near q, shape (1, m), by how much, or nothing."""
     pins = len(group.pins)
-    joints = {f"the guide of {slide.slider}": [2 * pins + row] for row, slide in enumerate(group.slides)}
+    joints = {f"the guide of {slider}": [2 * pins + row] for row, (slider, _) in enumerate(group.slides)}
     joints |= {pin.point: [row, pins + row] for row, pin in enumerate(group.pins)}
     joint, gap = open_joint(
         lambda q: equations.open(equations.pose(q[np.newaxis], placed))[0],
@@ -216,6 +202,12 @@ def misfit(scene: Scene, group: Group, equations: GroupEquations, q: Samples, pl
         *(q[0], np.tile([equations.size, equations.size, 1.0], equations.bodies), joints, equations.size),
     )
     return f": with all else closed {joint} stays open by {scene.length(gap)}" if gap else ""
+
+
+def comes_back(q: Samples) -> NDArray[np.bool_]:
+    """Whether the last of poses, shape (..., N, m), is the first one again but for whole turns, shape (...)."""
+    last, first = (np.exp(1j * q[..., row, 2::3]) for row in (-1, 0))
+    return np.asarray(np.abs(last - first).max(axis=-1) <= SAME)
 
 
 def _both(back: Track, forth: Track) -> Track:

@@ -8,7 +8,7 @@ group hangs on is placed and moves as the drive has it. The joints' constraints,
 m of them too: Nikravesh, "Computer-Aided Analysis of Mechanical Systems" (1988), chapter 3.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -36,30 +36,22 @@ class PinJoint:
 
 
 @dataclass(frozen=True)
-class SlideJoint:
-    """A slide of a larger group: one of the two is a body of the group, the other is too, or is placed."""
-
-    slider: str
-    on: str
-
-
-@dataclass(frozen=True)
 class Group:
     """Bodies that only together have no freedom left, of class III or higher; P is the first pin among them."""
 
     bodies: tuple[str, ...]
     pins: tuple[PinJoint, ...]
-    slides: tuple[SlideJoint, ...]
+    slides: tuple[tuple[str, str], ...]  # of a slider on a body, one of which is of the group, the other too or placed
     P: str
     drive: tuple[str, str] | None = None  # the driven body, and the moving one that it slides on, or turns against
 
     @property
     def hangs_on(self) -> tuple[str, ...]:
-        """The placed bodies, the ground among them, and points that the group's joints are at; and the drive."""
-        drive = ("drive", *self.drive) if self.drive else ()
-        joined = (*(name for slide in self.slides for name in (slide.slider, slide.on)), *drive)
-        bodies = (name for name in joined if name not in self.bodies)
-        return (*dict.fromkeys(bodies), *dict.fromkeys(f".{pin.point}" for pin in self.pins if pin.on is None))
+        """The placed bodies, the ground among them, and points that the group's joints are at; and last the drive."""
+        joined = (*(name for slide in self.slides for name in slide), *(self.drive or ()))
+        points = (f".{pin.point}" for pin in self.pins if pin.on is None)
+        drive = ("drive",) if self.drive else ()
+        return (*dict.fromkeys(name for name in joined if name not in self.bodies), *dict.fromkeys(points), *drive)
 
 
 @dataclass(frozen=True)
@@ -89,21 +81,21 @@ class Placed:
 class GroupEquations:
     """The constants of the joints, between the frames of the group's b bodies and, after them, of what they hang on.
 
-    S and T mark the frames that a joint is between: -1 the one that a pin hangs on or that a slider slides on, 1 the
-    other, else 0. R and E are, with the same signs, the arms in them: of the pin; of the slider's first point and of
-    the guide's.
+    S and A mark the frames that a joint is between: -1 the one that a pin hangs on or that a slider slides on, 1 the
+    other, else 0. R has, with the same signs, the arms in them: of the pin; of the slider's first point and of the
+    guide's. Where there is a drive, the last frame stands for it, and its x and its angle are the drive's position.
     """
 
     bodies: int  # b
-    S: Samples  # (p, frames), pins
-    R: Complex  # (p, frames), m
-    T: Samples  # (s, frames), slides
-    E: Complex  # (s, frames), m
+    pins: int  # p
+    S: Samples  # (p + s, frames), pins and then slides
+    R: Complex  # (p + s, frames), m
     on: NDArray[np.intp]  # (s,), the frame that the guide is in
     along: Complex  # (s,), unit, in that frame
     size: float  # m, the longest arm
-    G: Samples  # (d, frames), of a drive: the same marks, and -1 of a frame whose x, or angle, is the drive's position
-    driven: int | None  # the slide that the drive moves; None where it turns its body
+    A: Samples  # (t, frames), angles that add up to none: of slides; or of bodies that the drive turns, and the drive
+    driven: NDArray[np.intp]  # (d,), the slide that the drive moves, if it moves one
+    G: Samples  # (d, frames), -1 of the drive
 
     def pose(self, q: Samples, placed: FramePoses) -> FramePoses:
         """Return all frames, those of the group at the coordinates q, shape (..., m)."""
@@ -111,108 +103,88 @@ class GroupEquations:
         return FramePoses(np.concatenate([z, placed.z], axis=-1), np.concatenate([angle, placed.angle], axis=-1))
 
     def open(self, pose: FramePoses) -> Samples:
-        """Return C, shape (..., m): of each pin the gap, x and y; of each slide the offset, the difference of angles.
+        """Return C, shape (..., m): the gaps of pins, x and y; offsets of slides, angles, and how far off the drive is.
 
-        The offset is w x D, w the guide's direction and D from the guide's point to the slider's.
+        Of a slide the vector D goes from the guide's point to the slider's, and w is the guide's direction: the
+        offset is w x D, and the displacement w . D.
         """
-        gap = _joined(self.S, pose.z) + _joined(self.R, pose.u)
-        rows = [gap.real, gap.imag]
-        if len(self.T):
-            w, D = self._guides(pose)
-            rows += [(w.conj() * D).imag, within_a_turn(_joined(self.T, pose.angle))]
-        if len(self.G) and self.driven is not None:
-            rows += [_joined(self.G, pose.z.real) + (w.conj() * D).real[..., [self.driven]]]
-        elif len(self.G):
-            rows += [within_a_turn(_joined(self.G, pose.angle))]
-        return np.concatenate(rows, axis=-1)
+        gap, D, w = self._joints(pose)
+        seen = w.conj() * D
+        turned = within_a_turn(_joined(self.A, pose.angle))
+        moved = seen.real[..., self.driven] + _joined(self.G, pose.z.real)
+        return np.concatenate([gap.real, gap.imag, seen.imag, turned, moved], axis=-1)
 
     def jacobian(self, pose: FramePoses) -> Samples:
         """Return dC by the coordinates of all frames, shape (..., m, 3 frames)."""
-        (p, frames), s = self.S.shape, len(self.T)
-        jacobian = np.zeros((*pose.z.shape[:-1], 2 * (p + s) + len(self.G), frames, 3))
-        x, y = jacobian[..., :p, :, :], jacobian[..., p : 2 * p, :, :]
+        _, D, w = self._joints(pose)
+        (joints, frames), p = self.S.shape, self.pins
+        offset, turned, moved = p + joints, p + joints + len(self.A), p + joints + len(self.A) + len(self.G)
+        jacobian = np.zeros((*D.shape[:-1], moved, frames, 3))
         turning = 1j * self.R * pose.u[..., None, :]
-        x[..., 0], y[..., 1] = self.S, self.S
-        x[..., 2], y[..., 2] = turning.real, turning.imag
-        if s:
-            offset, turned = jacobian[..., 2 * p : 2 * p + s, :, :], jacobian[..., 2 * p + s : 2 * (p + s), :, :]
-            w, D = self._guides(pose)
-            gradients = self.T, 1j * self.T, 1j * self.E * pose.u[..., None, :]
-            for column, gradient in enumerate(gradients):
-                offset[..., column] = (w.conj()[..., None] * gradient).imag
-            offset[..., np.arange(s), self.on, 2] -= (w.conj() * D).real  # the guide turns under the slider
-            turned[..., 2] = self.T
-        if len(self.G) and self.driven is not None:
-            i = self.driven
-            for column, gradient in enumerate(gradients):
-                jacobian[..., -1, :, column] = (w.conj()[..., [i]] * gradient[..., i, :]).real
-            jacobian[..., -1, self.on[i], 2] += (w.conj() * D).imag[..., i]
-            jacobian[..., -1, :, 0] += self.G[0]
-        elif len(self.G):
-            jacobian[..., -1, :, 2] = self.G[0]
+        jacobian[..., :p, :, 0] = jacobian[..., p : 2 * p, :, 1] = self.S[:p]
+        jacobian[..., :p, :, 2], jacobian[..., p : 2 * p, :, 2] = turning.real[..., :p, :], turning.imag[..., :p, :]
+        if len(self.on):
+            turning[..., np.arange(p, joints), self.on] -= 1j * D  # the guide turns under the slider
+            for column, gradient in enumerate((self.S[p:], 1j * self.S[p:], turning[..., p:, :])):
+                seen = w.conj()[..., None] * gradient
+                jacobian[..., 2 * p : offset, :, column] = seen.imag
+                jacobian[..., turned:, :, column] = seen.real[..., self.driven, :]
+        jacobian[..., offset:turned, :, 2] = self.A
+        jacobian[..., turned:, :, 0] += self.G
         return jacobian.reshape(*jacobian.shape[:-2], 3 * frames)
 
     def quadratic(self, pose: FramePoses, v: Complex, omega: Samples) -> Samples:
-        """The part of C'' besides J q'' of all frames, closed, shape (..., m)."""
-        # A guide's offset w x D turns into Im(conj(w) (D'' - 2 i w' D' - w'^2 D)); closed, D is along w and the last
-        # term has no imaginary part. A drive's displacement w . D has the real part of the same.
-        inward = -(omega**2) * pose.u
-        pins = _joined(self.R, inward)
-        rows = [pins.real, pins.imag]
-        if len(self.T):
-            w, D = self._guides(pose)
-            turning = omega[..., self.on]
-            dD = _joined(self.T, v) + _joined(self.E, (1j * omega * pose.u))
-            ddD = _joined(self.E, inward)
-            offset = (w.conj() * (ddD - 2j * turning * dD)).imag
-            rows += [offset, np.zeros(offset.shape)]
-        if len(self.G) and self.driven is not None:
-            rows += [(w.conj() * (ddD - 2j * turning * dD - turning**2 * D)).real[..., [self.driven]]]
-        elif len(self.G):
-            rows += [np.zeros((*pose.z.shape[:-1], 1))]
-        return np.concatenate(rows, axis=-1)
-
-    def length(self, correction: Samples) -> Samples:
-        """Return the largest move of a correction, shape (...), m."""
-        return length_of(correction, self.size)
+        """The part of C'' besides J q'' of all frames, shape (..., m)."""
+        # conj(w) D, of a guide's offset and displacement, turns into conj(w) (D'' - 2 i w' D' - w'^2 D).
+        _, D, w = self._joints(pose)
+        p, turning, inward = self.pins, omega[..., self.on], _joined(self.R, -(omega**2) * pose.u)
+        gap, ddD = inward[..., :p], inward[..., p:]
+        dD = _joined(self.S[p:], v) + _joined(self.R[..., p:, :], 1j * omega * pose.u)
+        seen = w.conj() * (ddD - 2j * turning * dD - turning**2 * D)
+        turned = np.zeros((*gap.shape[:-1], len(self.A)))
+        return np.concatenate([gap.real, gap.imag, seen.imag, turned, seen.real[..., self.driven]], axis=-1)
 
     @cached_property
     def arms(self) -> Samples:
         """The moves by a unit of each coordinate, shape (m,), m."""
         return np.where(np.arange(3 * self.bodies) % 3 == 2, self.size, 1.0)
 
-    def _guides(self, pose: FramePoses) -> tuple[Complex, Complex]:
-        """Return w and D of each slide, shape (..., s)."""
-        return self.along * pose.u[..., self.on], _joined(self.T, pose.z) + _joined(self.E, pose.u)
+    def _joints(self, pose: FramePoses) -> tuple[Complex, Complex, Complex]:
+        """Return the gap of each pin, shape (..., p), and D and w of each slide, shape (..., s)."""
+        apart = _joined(self.S, pose.z) + _joined(self.R, pose.u)
+        return apart[..., : self.pins], apart[..., self.pins :], self.along * pose.u[..., self.on]
 
 
 def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> GroupEquations:
     """Return the joints of a group; the foot of each body is its first point."""
     index = {name: number for number, name in enumerate((*group.bodies, *group.hangs_on))}
+    p, frames = len(group.pins), len(index)
 
     def arm(body: str, local: Vector) -> Vector:
         return local if body == GROUND else local - bodies[body].first
 
-    S, T = (np.zeros((len(joints), len(index))) for joints in (group.pins, group.slides))
-    R, E, along = np.zeros(S.shape, complex), np.zeros(T.shape, complex), np.zeros(len(T), complex)
+    S = np.zeros((p + len(group.slides), frames))
+    R, along = np.zeros(S.shape, complex), np.zeros(len(group.slides), complex)
     for number, pin in enumerate(group.pins):
         for name, sign in ((pin.body, 1), (pin.on or f".{pin.point}", -1)):
             S[number, index[name]] = sign
             R[number, index[name]] = sign * arm(name, bodies[name].local[pin.point]) if name in bodies else 0
-    for number, joint in enumerate(group.slides):
-        slide = scene.slides[joint.slider]
-        T[number, index[joint.slider]], T[number, index[joint.on]] = 1, -1
-        E[number, index[joint.on]] = -arm(joint.on, as_complex(slide.through))
-        along[number] = as_complex(slide.along)
-    on = np.array([index[joint.on] for joint in group.slides], np.intp)
-    G, driven = np.zeros((0 if group.drive is None else 1, len(index))), None
+    on = np.array([index[carrier] for _, carrier in group.slides], np.intp)
+    for number, (slider, carrier) in enumerate(group.slides):
+        S[p + number, index[slider]], S[p + number, index[carrier]] = 1, -1
+        R[p + number, index[carrier]] = -arm(carrier, as_complex(scene.slides[slider].through))
+        along[number] = as_complex(scene.slides[slider].along)
+    A, G = S[p:], np.zeros((0, frames))
+    driven = np.zeros(0, np.intp)
     if group.drive is not None:
-        G[0, index["drive"]] = -1
+        drive = np.zeros((1, frames))
+        drive[0, -1] = -1
         if scene.driven_slide is None:
-            G[0, [index[name] for name in group.drive]] = 1, -1
+            drive[0, [index[name] for name in group.drive]] = 1, -1
+            A = np.append(A, drive, axis=0)
         else:
-            driven = [slide.slider for slide in group.slides].index(scene.drive.body)
-    return GroupEquations(len(group.bodies), S, R, T, E, on, along, size_of(group, bodies), G, driven)
+            G, driven = drive, np.array([group.slides.index(group.drive)])
+    return GroupEquations(len(group.bodies), p, S, R, on, along, size_of(group, bodies), A, driven, G)
 
 
 def within_a_turn(angle: Samples) -> Samples:
@@ -242,13 +214,6 @@ def sketched_coordinates(scene: Scene, group: Group, bodies: Mapping[str, RigidB
     return q
 
 
-def length_of(correction: Samples, size: float | Samples) -> Samples:
-    """The largest move of corrections of shape (..., m) of a group, or of groups each of its size, shape (...), m."""
-    moves = np.abs(correction)
-    moves[..., 2::3] *= np.asarray(size)[..., np.newaxis]
-    return np.asarray(moves.max(axis=-1))
-
-
 def in_plane(q: Samples) -> tuple[Complex, Samples]:
     """Return points and angles, each of shape (..., b), from coordinates of shape (..., 3 b), or their rates."""
     bodies = q.reshape(*q.shape[:-1], q.shape[-1] // 3, 3)
@@ -260,14 +225,12 @@ def coordinates(plane: Complex, turn: Samples) -> Samples:
     return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(*plane.shape[:-1], 3 * plane.shape[-1])
 
 
-def stacked(shape: tuple[int, ...], *frames: Sequence[NDArray[Any]]) -> Iterator[NDArray[Any]]:
-    """Yield samples of one frame after the other with the frames as last axis, of one shape, the given one or more."""
-    shape = np.broadcast_shapes(shape, *(samples.shape for columns in frames for samples in columns))
-    for columns in frames:
-        together = np.empty((*shape, len(columns)), complex if np.iscomplexobj(columns[0]) else float)
-        for column, samples in enumerate(columns):
-            together[..., column] = samples
-        yield together
+def stacked(shape: tuple[int, ...], frames: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return samples of one frame after the other, each of a shape or constant, with the frames as last axis."""
+    together = np.empty((*shape, len(frames)), np.result_type(float, *frames))
+    for frame, samples in enumerate(frames):
+        together[..., frame] = samples
+    return together
 
 
 def _joined(signed: Samples | Complex, x: Samples | Complex) -> Any:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
-from .group_equations import FramePoses, GroupEquations, Placed, in_plane, length_of
+from .group_equations import FramePoses, GroupEquations, Placed, in_plane
 
 CLOSED = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
 ROUGHLY = 1e-7  # of the group's size: the same near a singular pose, where roundings grow to their square root, 1e-8
@@ -20,6 +20,13 @@ LONGEST = 0.1  # of the group's size: a rough sketch must not throw the bodies a
 ITERATIONS = 200  # from the sketch
 
 Correction: TypeAlias = Callable[[Samples], Samples]  # of coordinates (..., m): what Newton's method takes off them
+
+
+def length_of(correction: Samples, size: float | Samples) -> Samples:
+    """The largest move of corrections of shape (..., m) of a group, or of groups each of its size, shape (...), m."""
+    moves = np.abs(correction)
+    moves[..., 2::3] *= np.asarray(size)[..., np.newaxis]
+    return np.asarray(moves.max(axis=-1))
 
 
 def assemble(correction: Correction, q: Samples, size: float | Samples) -> Samples:
@@ -81,13 +88,9 @@ def least_singular_value(equations: GroupEquations, J: Samples) -> Samples:
     Moves and differences of angles count as those of the group's longest arm, so that all entries are arms. Near a
     singular pose it falls as the root of the drive's way to there.
     """
-    p, s = len(equations.S), len(equations.T)
-    turns = np.arange(J.shape[-2]) >= 2 * p + s
-    if equations.driven is not None:
-        turns[-1] = False
-    rows = np.where(turns, equations.size, 1.0)
-    columns = np.where(np.arange(3 * equations.bodies) % 3 == 2, 1.0, equations.size)
-    arms = J * rows[:, None] * columns
+    lengths = equations.pins + len(equations.S)
+    rows = np.repeat([1.0, equations.size, 1.0], [lengths, len(equations.A), len(equations.G)])
+    arms = J * rows[:, None] * (equations.size / equations.arms)
     least = np.full(arms.shape[:-2], np.nan)
     reached = ~np.isnan(arms[..., 0, 0])
     least[reached] = np.linalg.svd(arms[reached], compute_uv=False)[:, -1]

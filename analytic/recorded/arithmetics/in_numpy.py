@@ -9,8 +9,7 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ...core.groups.group_equations import length_of
-from ...core.groups.newton_group import Correction, refine, solved
+from ...core.groups.newton_group import Correction, length_of, refine, solved
 from ..expressions import SIGNS, Closing, Expression, Inputs, needed, walk
 
 BLOCK = 8000  # positions: a few hundred arrays of them are at hand at a time

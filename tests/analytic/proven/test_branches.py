@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 from math import tau
 from typing import Any
 
@@ -13,6 +12,7 @@ import analytic
 from analytic.core.decomposition import decompose
 from analytic.core.groups.continuation import Track
 from analytic.core.groups.group_equations import Group
+from analytic.core.groups.newton_group import length_of
 from analytic.core.kinematics import followed
 from analytic.proven import boxes, branches
 from analytic.recorded.arithmetics.taylor_models import TaylorModel
@@ -40,7 +40,7 @@ def others(scene: Scene) -> Iterator[Tracks]:
         except Failure:  # it does not come back after a turn
             continue
         start = np.array([scene.sketch.drive])
-        off = own.equations.length(own.guess(start)[0] - other.guess(start)[0])
+        off = length_of(own.guess(start)[0] - other.guess(start)[0], own.equations.size)
         if other.branch == own.branch and off > APART * own.equations.size:
             yield {group: other}
 
@@ -61,7 +61,7 @@ def swapped(scene: Scene, tracks: Tracks, part: tuple[float, float]) -> Tracks:
 
 def open_at(monkeypatch: pytest.MonkeyPatch, scene: Scene, tracks: Tracks) -> tuple[float, float] | None:
     """Where it is not proven that a scene assembles by some tracks."""
-    monkeypatch.setattr(boxes, "prepared", partial(prepared, tracks=tracks))
+    monkeypatch.setattr(boxes, "prepared", lambda of, whole, names: prepared(of, replace(whole, tracks=tracks), names))
     return analytic.enclose(scene, {f"{group.bodies[0]}.angle" for group in tracks}).open_at
 
 
