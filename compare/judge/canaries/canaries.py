@@ -28,7 +28,7 @@ def canaries(judgement: Judgement) -> list[str]:
     ok = [run for run in runs if registry.ENTRIES[run.engine].everything]  # one of fewer channels lacks what is broken
     if not ok or judgement.reference.floor.doubt:
         return []
-    copies = [noticed.thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]
+    copies = [noticed.Thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]
     compared = copies[-1], ("an error in one channel or another", noticed.each_channel_is_seen)  # the least accurate
     return [
         f"the comparison itself: it lets through {copy.run.engine} with {wrong}"
@@ -94,4 +94,5 @@ def _another_mass(copy: noticed.Thinned) -> bool:
     most = max(float((np.abs(wrong[c] - right[c]) / amounts[c]).max()) for c in forces)
     if not most > 0:  # it moves evenly: no force depends on its mass
         return True
-    return noticed.refused(lambda motion: spoilt.moved(motion, right, wrong, forces, 1 / most), copy)
+    moved = {c: (wrong[c] - right[c]) / most for c in forces}
+    return noticed.refused(partial(spoilt.shifted, by=moved), copy)
