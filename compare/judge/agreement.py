@@ -30,6 +30,8 @@ CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # w
 FAILED = {
     Status.unsupported: "cannot model this scene",
     Status.cannot_assemble: "could not put the bodies together",
+    Status.jammed: "is held by its friction",
+    Status.undetermined: "found more than one set of forces",
     Status.diverged: "ran away",
     Status.not_converged: "did not converge",
     Status.nonfinite: "returned values that are not finite",
