@@ -39,7 +39,7 @@ class CycleCurve:
 
     def values(self, motion: Motion) -> Values:
         """Its values in a motion."""
-        values = np.sum([part * motion[channel] for channel, part in self.parts.items()], axis=0) - self.origin
+        values: Values = np.sum([part * motion[channel] for channel, part in self.parts.items()], axis=0) - self.origin
         return values * np.exp(1j * motion[self.angle]) if self.angle else values
 
     def direction(self, motion: Motion, row: int) -> float:
