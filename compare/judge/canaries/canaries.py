@@ -48,8 +48,8 @@ def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
     opposite = partial(spoilt.scaled, names=[largest], factor=-1)
     yield f"{largest} of the opposite sign", partial(noticed.refused_if_moved, opposite)
     vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x") and f"{c[:-1]}y" in sizes]
-    apart = [np.abs(first.motion[x] - first.motion[y]).max() / scale[x] for x, y in vectors]
-    for x, y in [vector for vector, share in zip(vectors, apart, strict=True) if share > APART][-1:]:
+    apart = [(x, y) for x, y in vectors if np.abs(first.motion[x] - first.motion[y]).max() > APART * scale[x]]
+    for x, y in apart[-1:]:
         yield f"{x} and {y} swapped", partial(noticed.refused, partial(spoilt.swapped, first=[x], second=[y]))
     every, late = {*channels, drive}, partial(spoilt.taken, rows=[0, *range(count - 1)])
     yield "all late by a sample", partial(noticed.refused, partial(late, names=every))

@@ -123,5 +123,4 @@ def at(values: NDArray[Any], row: RowNumbers) -> NDArray[Any]:
 
 def chords(places: Values) -> Values:
     """The vector between the two of some positions that are furthest apart, shape (...)."""
-    each = [chord(path) for path in places.reshape(-1, places.shape[-1])]
-    return np.reshape(each, places.shape[:-1])
+    return np.apply_along_axis(chord, -1, places)
