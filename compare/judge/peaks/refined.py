@@ -13,10 +13,11 @@ import numpy as np
 from scenes import Failure, Motion, Scene
 from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, MotionLaw, PressForce, SegmentedLaw
+from scenes.scene import MotionLaw, PressForce, SegmentedLaw
 
 from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
+from ..checks import closed_by
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
 
@@ -44,9 +45,7 @@ def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
 def needed(scene: Scene) -> Iterator[str]:
     """Yield the channels that `refined` needs, besides the time and the drive's."""
     for name in (name for name, table in _tables(scene) if table.over == "displacement"):
-        pair = [scene.bodies[each] for each in (name, scene.slides[name].on) if each != GROUND]
-        yield from (f"{body.points[0]}.{of}" for body in pair if body.points[0] not in scene.ground for of in "xy")
-        yield from (f"{body.name}.angle" for body in pair if body.name in scene.turning)
+        yield from closed_by(scene, scene.bodies[name])
 
 
 def _tables(scene: Scene) -> list[tuple[str, LoadCurve]]:
