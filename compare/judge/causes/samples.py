@@ -23,8 +23,7 @@ FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row 
 def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | None:
     """Return the cause where something is not there to be compared."""
     wanted = sampling.wanted(reference.scene)
-    missing = [c for c in wanted if c not in motion]
-    if missing := [c for c in missing if c not in motion.unsupported] or missing:
+    if missing := [c for c in wanted if c not in motion]:
         text = "{one} and {count} more are missing" if len(missing) > 1 else "{one} is missing"
         return Cause(Kind.missing, common(missing), text, (len(missing) - 1,), (missing[0],))
     for kind, text, bad in (
