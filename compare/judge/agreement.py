@@ -30,6 +30,8 @@ CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # w
 FAILED = {
     Status.unsupported: "cannot model this scene",
     Status.cannot_assemble: "could not put the bodies together",
+    Status.jammed: "is held by its friction",
+    Status.undetermined: "found more than one set of forces",
     Status.diverged: "ran away",
     Status.not_converged: "did not converge",
     Status.nonfinite: "returned values that are not finite",
@@ -194,8 +196,6 @@ class Judgement:
 
 def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
     """Whether a model was compared over a whole cycle, in steps no longer than engines are asked for at least."""
-    if not measurement.foreign:
-        return True
     times, cycle = measurement.asked.times(scene), scene.drive.cycle
     step = float(np.diff(times).max(initial=0.0))  # to the first row of the next cycle too
     return bool(FEWEST * step <= (1 + EQUAL) * cycle and times[-1] - times[0] + step >= (1 - EQUAL) * cycle)

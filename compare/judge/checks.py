@@ -70,7 +70,7 @@ def checks(
     asked = "radian" if scene.driven_slide is None else "travel"
     violations = {("drive", scene.drive.body, asked): _drive(mechanics, motion)}
     for body in scene.bodies.values():
-        if motion.samples.keys() >= _closed_by(scene, body):
+        if motion.samples.keys() >= closed_by(scene, body):
             violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
     if motion.samples.keys() >= {*kinematic_channels(scene)}:
         estimated = estimate(mechanics, motion, travel, ends)
@@ -103,7 +103,7 @@ def _drive(mechanics: Mechanics, motion: Motion) -> Samples:
     return np.abs(motion[mechanics.scene.drive_channel] - asked) / way
 
 
-def _closed_by(scene: Scene, body: Body) -> set[str]:
+def closed_by(scene: Scene, body: Body) -> set[str]:
     """The channels by which one sees whether a body's joints are closed."""
     points, names = set(body.points), set[str]()
     if body.slide is not None:

@@ -16,7 +16,7 @@ from scenes.scene import GROUND, MotionLaw
 from ..engines import registry
 from ..engines.processes.stopping import kept
 from ..engines.registry import ORACLE, REFERENCE, voter
-from ..engines.runner import HERE, Runs
+from ..engines.runner import HERE, Run, Runs
 from ..mechanics.axis import cycle_name
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import explain
@@ -86,7 +86,7 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
         pairs = [
             (one, other)
             for one, other in combinations(against, 2)
-            if voter(one.run.engine) != voter(other.run.engine) and _agree(reference, one, other)
+            if voter(one.run.engine) != voter(other.run.engine) and _agree(reference, one.run, other.run)
         ]
         if reference.floor.by_channel or not pairs:
             return reference, measurements
@@ -106,14 +106,12 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     ]
 
 
-def _agree(reference: Reference, one: Measurement, other: Measurement) -> bool:
+def _agree(reference: Reference, one: Run, other: Run) -> bool:
     """Whether two runs of the same instants are within the sum of their promises of each other."""
-    first, second = one.run, other.run
-    if first.motion is None or second.motion is None or first.settings is None or second.settings is None:
+    if one.motion is None or other.motion is None or one.settings is None or other.settings is None:
         return False
-    errors = relative_errors(first.motion, second.motion, reference.scale)
-    promises = first.settings.promise + second.settings.promise
-    return bool(np.max([error.max() for error in errors.values()]) <= promises)
+    errors = relative_errors(one.motion, other.motion, reference.scale)
+    return bool(np.max([*map(np.max, errors.values())]) <= one.settings.promise + other.settings.promise)
 
 
 def notes(scene: Scene) -> Iterator[str]:

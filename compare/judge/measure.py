@@ -20,15 +20,8 @@ from .checks import Check, checks
 from .errors import ChannelError, Comparison, by_group, compare, error_table, worst_of
 from .verdict import compared, doubted_core, judged, share
 
-HELPED = {  # by other settings, at times
-    Status.wrong_branch,
-    Status.diverged,
-    Status.not_converged,
-    Status.inconsistent,
-    Status.inaccurate,
-    Status.nonfinite,
-    Status.unsupported,  # a body without mass, which fictitious masses do without
-}
+# Which no other settings change; unsupported they may: fictitious masses do without the mass that a body lacks.
+FINAL = {Status.ok, Status.cannot_assemble, Status.jammed, Status.undetermined, Status.timed_out, Status.crashed}
 
 
 @dataclass(frozen=True)
@@ -137,7 +130,7 @@ def attempts(measure: Callable[[Settings], Measurement], offered: Sequence[Setti
     for settings in offered:
         measured = measure(settings)
         yield measured
-        if measured.run.status not in HELPED:
+        if measured.run.status in FINAL:
             return
 
 

@@ -97,7 +97,9 @@ def sentences(reference: Reference, measurements: Sequence[Measurement], off: Co
         if m.run.motion is None:
             continue
         coarse = Cause(Kind.solver, "all", COARSE, names=(m.finer,))  # others leave hardly any of the error
-        own = coarse if m.finer else cause(reference, m.asked, m.run.motion)
+        given = replace(m.asked, channels=frozenset(m.run.motion.samples))  # all but what was refused as missing
+        asked = m.asked if m.run.status is Status.unsupported else given
+        own = coarse if m.finer else cause(reference, asked, m.run.motion)
         if own != UNKNOWN:
             lines[m.run.engine] = f"{m.run.engine}: {words(reference.scene, own)}{', the others agree' * alone}"
     return lines

@@ -3,7 +3,7 @@
 Checks of an engine's own output come first and need no reference; the comparison with the reference comes last.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import ceil, floor, log10
 from typing import NamedTuple
@@ -107,14 +107,17 @@ def share(worst: float) -> str:
 
 def within(size: float) -> str:
     """A relative error as a bound: `0.0004 %`, rounded up, or `9 digits`."""
-    return f"{digits(size)} digits" if size < PER_CENT else _per_cent(size, ceil, 1)
+    if size < PER_CENT:
+        return f"{digits(size)} digits"
+    last = 10.0 ** floor(log10(100 * size))
+    return f"{plainly(ceil(100 * size / last) * last, 1)} %"
 
 
 def sized(size: float) -> str:
     """A relative error as a size: `3.1 %`, or between two bounds."""
     if size < PER_CENT:
         return "less than 0.0001 %"
-    return _per_cent(size, round, 2) if size < 10 else "more than 1000 %"
+    return f"{plainly(100 * size, 2)} %" if size < 10 else "more than 1000 %"
 
 
 def digits(size: float) -> int:
@@ -122,7 +125,6 @@ def digits(size: float) -> int:
     return min(floor(-log10(size)), 15) if size > 0 else 15
 
 
-def _per_cent(size: float, rounded: Callable[[float], int], figures: int) -> str:
-    last = floor(log10(100 * size)) - figures + 1  # the power of ten of the last figure
-    text = f"{rounded(100 * size / 10.0**last) * 10.0**last:.{max(-last, 0)}f}"
-    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"
+def plainly(number: float, digits: int = 3) -> str:
+    """A number to so many digits, without a power of ten."""
+    return np.format_float_positional(number, digits, unique=False, fractional=False, trim="-")

@@ -85,7 +85,7 @@ def _late_by_a_little(clean: Clean) -> Iterator[Fault]:
                 then = clean.reference.at(position, instants)
             except Failure:
                 continue
-            moved = partial(spoilt.moved, motion, clean.true, then)
+            moved = partial(_moved, motion, clean.true, then)
             everything = partial(moved, [*clean.channels, clean.drive])
             seen = by * rate > clean.promise * 1e-3 * travel  # else in the drive alone, where an engine has no error
             cause, place = (Kind.lag, "all") if seen else (Kind.drive, "drive")
@@ -210,3 +210,8 @@ def _drifting(motion: Motion, names: Iterable[str], size: Mapping[str, float]) -
     return spoilt.replaced(
         motion, {name: motion[name] + size[name] * np.linspace(0, 1, len(motion[name])) for name in names}
     )
+
+
+def _moved(motion: Motion, right: Motion, wrong: Motion, names: Iterable[str]) -> Motion:
+    """Return the motion plus what lies between two others in some channels."""
+    return spoilt.shifted(motion, {name: wrong[name] - right[name] for name in names})

@@ -5,6 +5,7 @@ comes through is a fault of the comparison itself, and named.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import cycle
 
@@ -28,7 +29,7 @@ def canaries(judgement: Judgement) -> list[str]:
     ok = [run for run in runs if registry.ENTRIES[run.engine].everything]  # one of fewer channels lacks what is broken
     if not ok or judgement.reference.floor.doubt:
         return []
-    copies = [noticed.thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]
+    copies = [noticed.Thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]
     compared = copies[-1], ("an error in one channel or another", noticed.each_channel_is_seen)  # the least accurate
     return [
         f"the comparison itself: it lets through {copy.run.engine} with {wrong}"
@@ -48,8 +49,8 @@ def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
     opposite = partial(spoilt.scaled, names=[largest], factor=-1)
     yield f"{largest} of the opposite sign", partial(noticed.refused_if_moved, opposite)
     vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x") and f"{c[:-1]}y" in sizes]
-    apart = [np.abs(first.motion[x] - first.motion[y]).max() / scale[x] for x, y in vectors]
-    for x, y in [vector for vector, share in zip(vectors, apart, strict=True) if share > APART][-1:]:
+    apart = [(x, y) for x, y in vectors if np.abs(first.motion[x] - first.motion[y]).max() > APART * scale[x]]
+    for x, y in apart[-1:]:
         yield f"{x} and {y} swapped", partial(noticed.refused, partial(spoilt.swapped, first=[x], second=[y]))
     every, late = {*channels, drive}, partial(spoilt.taken, rows=[0, *range(count - 1)])
     yield "all late by a sample", partial(noticed.refused, partial(late, names=every))
@@ -85,13 +86,13 @@ def _lagging(copy: noticed.Thinned) -> bool:
 def _another_mass(copy: noticed.Thinned) -> bool:
     """Whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
     scene, forces = copy.scene, force_channels(copy.scene) + friction_channels(copy.scene)
-    heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
-    weighed = put(scene, {("bodies", heaviest): scene.bodies[heaviest].weighed})
-    heavier = put(weighed, {("bodies", heaviest, "mass"): (scene.bodies[heaviest].mass or 0.0) + 1.0})
+    body = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0))
+    heavier = put(scene, {("bodies", body.name): replace(body.weighed, mass=(body.mass or 0.0) + 1.0)})
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]
     right, wrong = (registry.reference(of, frozenset(forces))(position, time) for of in (scene, heavier))
     amounts = copy.amounts()
     most = max(float((np.abs(wrong[c] - right[c]) / amounts[c]).max()) for c in forces)
     if not most > 0:  # it moves evenly: no force depends on its mass
         return True
-    return noticed.refused(lambda motion: spoilt.moved(motion, right, wrong, forces, 1 / most), copy)
+    moved = {c: (wrong[c] - right[c]) / most for c in forces}
+    return noticed.refused(partial(spoilt.shifted, by=moved), copy)

@@ -35,14 +35,24 @@ ARMS = 100.0  # sizes of the linkage: further off no centre of mass is
 
 
 class Thinned:
-    """An engine's ok run at a few rows."""
+    """An ok run at every k-th row of the first cycle, k the largest that leaves enough and divides the cycle."""
 
     def __init__(self, reference: Reference, sampling: Sampling, run: Run, explained: Explained) -> None:
         assert run.motion is not None
         assert run.settings is not None
-        self.reference, self.sampling, self.run, self.explained = reference, sampling, run, explained
-        self.scene, self.motion, self.settings = reference.scene, run.motion, run.settings
-        self.true = reference.at(sampling.commanded(self.scene), sampling.times(self.scene))  # what it should be
+        count = sampling.samples
+        every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= ROWS * k))
+        rows = slice(0, count + 1, every)
+        samples, moved, cancelled = (
+            {channel: values[rows] for channel, values in by.items()}
+            for by in (run.motion.samples, explained.sensitivity, explained.cancelled)
+        )
+        self.explained = Explained(explained.condition[rows], moved, cancelled=cancelled)
+        self.motion = Motion(samples, run.motion.unsupported)
+        self.reference, self.scene, self.settings = reference, reference.scene, run.settings
+        asked = replace(sampling, samples=count // every, turns=1)
+        self.sampling, self.run = asked, replace(run, motion=self.motion)
+        self.true = reference.at(asked.commanded(self.scene), asked.times(self.scene))  # what it should be
         self.drive = self.scene.drive_channel
         # Where all channels are there, its own output has to show that it is wrong.
         self.complete = self.motion.samples.keys() >= {*channels(self.scene)}
@@ -83,21 +93,6 @@ class Thinned:
 
 Noticed: TypeAlias = Callable[[Thinned], bool]  # whether the comparison notices what is wrong with a copy
 Spoil: TypeAlias = Callable[[Motion], Motion]
-
-
-def thinned(reference: Reference, sampling: Sampling, run: Run, explained: Explained) -> Thinned:
-    """An ok run at every k-th row of the first cycle, k the largest that leaves enough and divides the cycle."""
-    assert run.motion is not None
-    count = sampling.samples
-    every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= ROWS * k))
-    rows = slice(0, count + 1, every)
-    samples, moved, cancelled = (
-        {channel: values[rows] for channel, values in by.items()}
-        for by in (run.motion.samples, explained.sensitivity, explained.cancelled)
-    )
-    known = Explained(explained.condition[rows], moved, cancelled=cancelled)
-    fewer = replace(sampling, samples=count // every, turns=1)
-    return Thinned(reference, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
 
 
 def refused(spoil: Spoil, copy: Thinned) -> bool:

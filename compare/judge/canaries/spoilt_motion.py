@@ -45,8 +45,3 @@ def without(motion: Motion, names: Collection[str], reason: str = "") -> Motion:
     """Return the motion without some channels: declared unsupported where a reason is given."""
     kept = {name: samples for name, samples in motion.samples.items() if name not in names}
     return Motion(kept, {**motion.unsupported, **dict.fromkeys(names if reason else (), reason)})
-
-
-def moved(motion: Motion, right: Motion, wrong: Motion, names: Iterable[str], factor: float = 1.0) -> Motion:
-    """Return the motion plus what lies between two others, times a factor, in some channels."""
-    return shifted(motion, {name: factor * (wrong[name] - right[name]) for name in names})

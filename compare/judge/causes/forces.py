@@ -9,14 +9,15 @@ motion as it should be:
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.elements.friction import Friction, PinFriction
-from scenes.elements.loads import Force, ForceTable, GuideForce, Load, Moment, TableForce
+from scenes.elements.friction import PinFriction
+from scenes.elements.loads import Force, Load, Moment, TableForce
 from scenes.elements.springs import TorsionSpring
 from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import GROUND
@@ -57,22 +58,18 @@ class Carried(MotionVectors):
         return np.asarray(inverse.swapaxes(1, 2) / constraints.units[:, np.newaxis] * size)
 
     def change(self, *pushes: Push) -> Channels:
-        """Return by how much the force channels change where bodies are pushed, and friction by its law with them."""
-        return self.rubbed(self.scene.friction, *pushes) if self.scene.friction else self._of(*pushes)
+        """Return by how much the force channels change where bodies are pushed, and friction by its law with them.
 
-    def rubbed(self, friction: Sequence[Friction], *pushes: Push) -> Channels:
-        """Return the same where the joints have other friction; the law is repeated, as the joints carry friction."""
-        scene, true = replace(self.scene, friction=tuple(friction)), self.motion.samples
+        The law is repeated, as the joints carry friction.
+        """
+        true, rubbing = self.motion.samples, friction_channels(self.scene)
         before, pushed = self._of(*self.resisting), self._of(*pushes)
-        rubbing = [*friction_channels(self.scene), *friction_channels(scene)]
-        nothing = dict.fromkeys(rubbing, np.zeros(len(true["time"])))
-        now = true
-        for _ in range(ROUNDS):
-            state = replace(self, scene=scene, motion=Motion({**true, **nothing, **now}))
-            now = {**now, **nothing, **by_law(state, state.motion.samples)}
-            resisted = self._of(*replace(state, motion=Motion(now)).resisting)
+        now = {**true}
+        for _ in range(ROUNDS if rubbing else 1):
+            now |= by_law(replace(self, motion=Motion(now)), now)
+            resisted = self._of(*replace(self, motion=Motion(now)).resisting)
             now |= {c: true[c] + pushed[c] - before[c] + resisted[c] for c in pushed}
-        return {c: now[c] - true.get(c, 0.0) for c in (*pushed, *nothing)}
+        return {c: now[c] - true[c] for c in (*pushed, *rubbing)}
 
     def _of(self, *pushes: Push) -> Channels:
         """Return by how much the force channels change where bodies are pushed; on the ground it is nothing."""
@@ -113,8 +110,12 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield loads that act elsewhere or otherwise, friction that should not be there, and shares that are left out."""
     if evidence.of_forces:
         carried = _carried(evidence, evidence.true)
-        for load in carried.scene.loads:
+        for number, load in enumerate(carried.scene.loads):
             yield from _load(carried, load)
+            if load.table is not None:
+                rows = {f"loads.{number}.table.{row}.1": f for row, f in enumerate(load.table.values[::-1])}
+                other = carried.scene.with_numbers(rows).loads[number]
+                yield carried.instead(load, f"the table of {load_name(load)} is backwards", *carried.pushes(other))
         for spring in carried.scene.torsion_springs:
             text = "the torsion spring {place} acts on {one} alone"
             for push in (pushes := carried.pushes(spring)) * (len(pushes) > 1):
@@ -122,14 +123,12 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         yield from _switches(carried)
         yield from _shares(carried)
         yield from _friction(carried)
-        yield from _elsewhere(carried)
+        yield from _elsewhere(evidence)
 
 
 def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
-    """Yield a load at another point, on another body, turning with its body, or by its table backwards."""
+    """Yield a load at another point, on another body, or turning with its body."""
     scene, body = carried.scene, load.body
-    if (backwards := _backwards(load)) is not None:
-        yield carried.instead(load, f"the table of {load_name(load)} is backwards", *carried.pushes(backwards))
     if isinstance(load, Force | TableForce):
         turns = load.frame == "ground"
         turning = carried.pushes(replace(load, frame="body" if turns else "ground"))
@@ -151,14 +150,6 @@ def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
             yield carried.instead(load, text, push, *reaction, names=(point, owner))
     push = Push(body, force, carried.com(scene.bodies[body])[0])
     yield carried.instead(load, "the load at {place} acts at {one}'s centre of mass", push, *reaction, names=(body,))
-
-
-def _backwards(load: Load) -> Load | None:
-    if isinstance(load, ForceTable):
-        return replace(load, forces=load.forces[::-1])
-    if not isinstance(load, GuideForce | TableForce | Moment) or load.table is None:
-        return None
-    return replace(load, table=replace(load.table, forces=load.table.forces[::-1], moments=load.table.moments[::-1]))
 
 
 def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -256,21 +247,20 @@ def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, tuple[
         yield cause, omega, load, (Push(pin.second, 0 * at, at, -1.0), Push(pin.first, 0 * at, at, 1.0))
 
 
-def _elsewhere(carried: Carried) -> Iterator[Hypothesis]:
+def _elsewhere(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield friction of a pin that acts at another one, besides what that has; it may be shown as the first one's."""
-    scene, true = carried.scene, carried.motion.samples
-    pairs = ((one, pin) for one in scene.friction if isinstance(one, PinFriction) and one.arm for pin in scene.pins)
-    for one, pin in pairs:
-        there, own = replace(one, at=pin.point, body=pin.second), one.channel(scene)
-        rest = {other.channel(scene): other for other in scene.friction if other is not one}
-        if there.channel(scene) != own:
-            standing = rest.pop(there.channel(scene), None)
-            if isinstance(standing, PinFriction):
-                there = replace(there, radius=there.radius * (1 + standing.arm / one.arm))
-            change = carried.rubbed([*rest.values(), there])
-            if standing is None:
-                change = {**change, own: change[there.channel(scene)] - true[own]}
+    scene = evidence.scene
+    by_channel = {one.channel(scene): one for one in scene.friction}
+    pins = [(c, one) for c, one in by_channel.items() if isinstance(one, PinFriction) and one.arm]
+    for (own, one), pin in product(pins, scene.pins):
+        there = replace(one, at=pin.point, body=pin.second)
+        other = there.channel(scene)
+        standing = by_channel.get(other)
+        if isinstance(standing, PinFriction):
+            there = replace(there, radius=there.radius * (1 + standing.arm / one.arm))
+        friction = {c: each for c, each in by_channel.items() if c != own} | {other: there}
+        if other != own and (solved := evidence.solved(replace(scene, friction=tuple(friction.values())))):
+            shown = 0 * solved[other] if standing else solved[other]
             text = "the friction of {place} acts at {one}"
             cause = Cause(Kind.friction, joint(scene, one), text, names=(pin.channel,))
-            now = carried.evidence.changed((1.0,), [{c: by for c, by in change.items() if c in true}])
-            yield Hypothesis(cause, now)
+            yield Hypothesis(cause, {own: shown, **{c: values for c, values in solved.items() if c in evidence.true}})

@@ -10,7 +10,7 @@ from scenes.model.motion import quantity
 
 from ...engines.runner import ON_TIME
 from ...mechanics.reference import Reference
-from .cause import ANGLES, Cause, Kind, Part, common
+from .cause import ANGLES, Cause, Kind, common
 from .evidence import NEXT_TO_NOTHING, Evidence, Hypothesis
 
 FEW = 0.1  # of the samples
@@ -23,8 +23,7 @@ FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row 
 def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | None:
     """Return the cause where something is not there to be compared."""
     wanted = sampling.wanted(reference.scene)
-    missing = [c for c in wanted if c not in motion]
-    if missing := [c for c in missing if c not in motion.unsupported] or missing:
+    if missing := [c for c in wanted if c not in motion]:
         text = "{one} and {count} more are missing" if len(missing) > 1 else "{one} is missing"
         return Cause(Kind.missing, common(missing), text, (len(missing) - 1,), (missing[0],))
     for kind, text, bad in (
@@ -99,18 +98,10 @@ def _out_of_order(evidence: Evidence, channels: tuple[str, ...]) -> Iterator[Hyp
     bad = np.flatnonzero(off > ROUNDING * off.max())
     distance = np.sum((given[bad, np.newaxis] - true[np.newaxis]) ** 2, axis=2)
     theirs = distance.min(axis=1) <= FAR_LESS * off[bad]
-    if theirs.any():
+    if theirs.any() and len(channels) >= TELLING:
         rows = np.arange(len(true))
         rows[bad[theirs]] = distance.argmin(axis=1)[theirs]
-        shifts = (rows[bad] - bad)[theirs] % (len(true) - 1)
-        if np.mean(shifts == np.median(shifts)) > 0.8 and theirs.sum() > 5:
-            by = -int(np.median(shifts))
-            by = by if 2 * abs(by) < len(true) else by + len(true) - 1
-            cause = Cause(Kind.lag, "all", "{part} {is} {late_rows}", (by,), part=Part("all", channels))
-            yield Hypothesis(cause, {c: evidence.true[c][rows] for c in channels}, 1)
-        elif len(channels) >= TELLING:
-            text = "{place} has rows of other instants, first at {where}"
-            yield _of_rows(evidence, Kind.rows, text, channels, rows, 2)
+        yield _of_rows(evidence, Kind.rows, "{place} has rows of other instants, first at {where}", channels, rows, 3)
 
 
 def _rows(motion: Motion, channels: Sequence[str], scale: Mapping[str, float]) -> NDArray[np.float64]:

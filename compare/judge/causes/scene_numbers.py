@@ -9,7 +9,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.elements.friction import Friction, GuideFriction
-from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
+from scenes.elements.loads import Force, Load, Moment, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
 from scenes.model.motion import Samples
 from scenes.scene import DrawnBody
@@ -109,27 +109,20 @@ def _of_forces(scene: Scene) -> Iterator[Numbers]:
     """Yield loads and springs; the moments of one that twists are linear in its angle too."""
     linear = partial(Numbers, linear=True)
     for number, load in enumerate(scene.loads):
-        at, place, what, table = f"loads.{number}", load_place(load), load_name(load), load.table
-        cause = Cause(Kind.load, place, f"{what} is {{percent}}")
-        if table is not None:
-            rows = {f"{at}.table.{row}": value for row, value in enumerate(table.values)}
-            yield linear(cause, ({f"{row}.1": value for row, value in rows.items()},))
-            shifted = Cause(Kind.load, place, f"the table of {what} is shifted by {SHIFTS[table.over]}")
-            yield Numbers(shifted, ({f"{row}.0": 1.0 for row in rows},))
+        at, place, what = f"loads.{number}", load_place(load), load_name(load)
+        own = [one for one in scene.numbers.values() if one.at[:2] == ("loads", number)]
+        size = {one.path: one.value for one in own if one.quantity.dimension in ("force", "moment")}
+        yield linear(Cause(Kind.load, place, f"{what} is {{percent}}"), (size,))
+        if load.table is not None:
+            shifted = Cause(Kind.load, place, f"the table of {what} is shifted by {SHIFTS[load.table.over]}")
+            yield Numbers(shifted, ({f"{at}.table.{row}.0": 1.0 for row in range(len(load.table.values))},))
         if isinstance(load, TableForce):
             turned = _turned(f"{at}.along", complex(*load.along))[1:]
             yield Numbers(Cause(Kind.load, place, f"{what} is turned by {{angle}}"), turned)
-        if isinstance(load, GuideForce | Moment) and table is None:
-            key = "moment" if isinstance(load, Moment) else "force"
-            yield linear(cause, ({f"{at}.{key}": getattr(load, key)},))
-        if not isinstance(load, Force | PressForce):
-            continue
-        own = complex(*load.force)
-        ways = _turned(f"{at}.force", own)
-        yield linear(cause, ways[:1])
         if isinstance(load, Force):
-            vector = Cause(Kind.load, load.at, "the load at {place} is {force} at {way}")
-            yield linear(vector, ways, partial(_turned_vector, own, own))
+            force = complex(*load.force)
+            vector = Cause(Kind.load, place, f"{what} is {{force}} at {{way}}")
+            yield linear(vector, _turned(f"{at}.force", force), partial(_turned_vector, force, force))
     for at, spring in scene.elements:
         if isinstance(spring, TorsionSpring):
             place, what = spring.at, "the torsion spring {place}"

@@ -4,21 +4,18 @@ from collections.abc import Callable, Mapping
 from math import atan2, hypot
 from string import Formatter
 
-import numpy as np
-
 from scenes import Scene
 
 from ...mechanics.bodies import arms, weights
+from ..verdict import plainly
 from .cause import Cause
 
 NEAR_ONE = 0.01 + 1e-9  # a factor that is no farther from one is shown in per cent
-NEAR_NONE, NEAR_OPPOSITE = 5e-3, 1e-2  # of a number: it is missing, or of the opposite sign
+NEAR = 5e-3  # of a number: it is missing, or of the opposite sign; of a body's length: the centre of mass is there
 NEAR_INERTIA = 2e-2  # of a moment of inertia: it is that of something else
-NEAR_PLACE = 5e-3  # of a body's length: the centre of mass is there
 INERTIAS = {2: {3.0: "that about its end", 2.0: "that of two points"}, 3: {3.0: "that of three points"}}
 MISSING = "missing"
-NEAR_ZERO = 1e-3  # of a vector
-NEAR_BACKWARDS = 1e-3  # of a speed
+NEAR_ZERO = 1e-3  # of a vector, or of a speed
 EXPLAINED = 0.01  # of the error: what a cause leaves over of it is named where it is more
 
 
@@ -34,11 +31,6 @@ def _sentence(scene: Scene, cause: Cause) -> str:
     return cause.text.format_map(gaps) + ends
 
 
-def plainly(number: float, digits: int = 3) -> str:
-    """Return a number to so many digits, without a power of ten."""
-    return np.format_float_positional(number, digits, unique=False, fractional=False, trim="-")
-
-
 def _off(share: float) -> str:
     return f"{plainly(100 * abs(share))} % too {'large' if share > 0 else 'small'}"
 
@@ -50,9 +42,9 @@ def _times(_: Scene, cause: Cause) -> str:
 
 
 def _percent(share: float) -> str:
-    if abs(share + 1) < NEAR_NONE:
+    if abs(share + 1) < NEAR:
         return MISSING
-    if abs(share + 2) < NEAR_OPPOSITE:
+    if abs(share + 2) < 2 * NEAR:
         return "of the opposite sign"
     return f"{plainly(share + 1, 4)} times too large" if share > 2 else _off(share)
 
@@ -74,7 +66,7 @@ def _com(scene: Scene, cause: Cause) -> str:
     own, placed = weights(scene, body).com, arms(scene, body)
     known = {f"at {point}": at for point, at in placed.items()}
     known |= {"mirrored": own.conjugate(), "on the opposite side": -own}
-    there, hair = own + complex(*cause.amounts), NEAR_PLACE * max(map(abs, placed.values()))
+    there, hair = own + complex(*cause.amounts), NEAR * max(map(abs, placed.values()))
     off = f"{_in_unit(scene, 'length', hypot(*cause.amounts))} off"
     return next((where for where, at in known.items() if abs(there - at) < hair), off)
 
@@ -107,7 +99,7 @@ def _late_rows(_: Scene, cause: Cause) -> str:
 
 def _faster(_: Scene, cause: Cause) -> str:
     share = cause.amounts[0]
-    return "backwards" if abs(share + 2) < NEAR_BACKWARDS else f"{'+' * (share > 0)}{plainly(100 * share)} %"
+    return "backwards" if abs(share + 2) < NEAR_ZERO else f"{'+' * (share > 0)}{plainly(100 * share)} %"
 
 
 def _frame(scene: Scene, cause: Cause) -> str:

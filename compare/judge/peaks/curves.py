@@ -1,6 +1,6 @@
 """Quantities followed over a cycle: the output's motion, the forces of joints, the drive's effort, singular poses."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -11,27 +11,36 @@ from scenes import Motion, Scene
 from scenes.model.motion import UNITS, quantity
 from scenes.scene import GROUND
 
-from ...mechanics.motion_vectors import MotionVectors
-
 Values: TypeAlias = NDArray[Any]  # shape (..., n) of a motion's channels, complex for a vector
 LEAST = ("transmission", "to_lock")  # the kinds of which the least value matters
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CycleCurve:
     """One quantity: a plane vector, or a number with a sign."""
 
     kind: str  # displacement, path, velocity, acceleration, reaction, guide_force, guide_moment, effort, one of `LEAST`
     of: str  # the point, joint or body
-    channels: tuple[str, ...]  # that it is taken from
+    parts: Mapping[str, Any]  # by channel, what one of its units adds; of many machines of shape (m, 1)
     scale: float  # of the errors of these channels
-    values: Callable[[Motion], Values]
+    origin: Any = 0.0  # what is taken off the sum
     along: complex | None = None  # the direction of a positive number, where it has one
+    angle: str = ""  # the channel of the angle by which the vector turns, where that is on a body
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that it is taken from."""
+        return (*self.parts, self.angle) if self.angle else (*self.parts,)
 
     @property
     def unit(self) -> str:
         """The unit of its values."""
         return UNITS[quantity(self.channels[0])]
+
+    def values(self, motion: Motion) -> Values:
+        """Its values in a motion."""
+        values: Values = np.sum([part * motion[channel] for channel, part in self.parts.items()], axis=0) - self.origin
+        return values * np.exp(1j * motion[self.angle]) if self.angle else values
 
     def direction(self, motion: Motion, row: int) -> float:
         """The direction of the vector at a sample, rad; NaN where it has none."""
@@ -52,50 +61,34 @@ def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[CycleCurve]:
     point, guided = scene.output, scene.guided(scene.output)
     for kind, q in (("displacement", ""), ("velocity", "v"), ("acceleration", "a")):
         x, y = both = f"{point}.{q}x", f"{point}.{q}y"
-        scale = scales[x]
         if guided is None:
-            yield CycleCurve(kind if q else "path", point, both, scale, _vector(x, y))
+            yield CycleCurve(kind if q else "path", point, {x: 1, y: 1j}, scales[x])
             continue
         slide = guided[1]
         parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if np.any(part != 0)}
         origin = 0.0 if q else sum(a * t for a, t in zip(slide.along, slide.through, strict=True))
         along = slide.along[0] + 1j * slide.along[1]
-        yield CycleCurve(kind, point, tuple(parts), scale, _along(parts, origin), along if q else None)
+        yield CycleCurve(kind, point, parts, scales[x], origin, along if q else None)
 
 
 def _forces(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
     """Yield the forces of pins, of the first body on the second, the force and moment of guides, and the drive's."""
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
-        yield CycleCurve("reaction", pin.channel, (x, y), scale[x], _vector(x, y))
+        yield CycleCurve("reaction", pin.channel, {x: 1, y: 1j}, scale[x])
     for name, guide in scene.slides.items():
         force, moment = f"{name}.guide_force", f"{name}.guide_moment"
-        turning = (f"{guide.on}.angle",) if guide.on in scene.turning else ()
-        across = _across(scene, force, guide.on, 1j * guide.along[0] - guide.along[1])
-        yield CycleCurve("guide_force", name, (force, *turning), scale[force], across)
-        yield CycleCurve("guide_moment", name, (moment,), scale[moment], _along({moment: 1.0}))
+        across, angle = 1j * guide.along[0] - guide.along[1], f"{guide.on}.angle" if guide.on in scene.turning else ""
+        yield CycleCurve("guide_force", name, {force: across}, scale[force], angle=angle)
+        yield CycleCurve("guide_moment", name, {moment: 1}, scale[moment])
     slide = scene.driven_slide
     channel, along = ("drive.torque", None) if slide is None else ("drive.force", complex(*slide.along))
     along = along if scene.drive_on == GROUND else None  # along a guide that swings it has no one direction
-    yield CycleCurve("effort", scene.drive.body, (channel,), scale[channel], _along({channel: 1.0}), along)
+    yield CycleCurve("effort", scene.drive.body, {channel: 1}, scale[channel], along=along)
 
 
 def _singular(motion: Motion) -> Iterator[CycleCurve]:
     """Yield how far the groups of the analytic core are from a singular configuration."""
     for channel in motion.samples:
         if quantity(channel) in LEAST:
-            joint = channel.rpartition(".")[0]
-            yield CycleCurve(quantity(channel), joint, (channel,), 1.0, _along({channel: 1.0}))
-
-
-def _vector(x: str, y: str) -> Callable[[Motion], Values]:
-    return lambda motion: motion[x] + 1j * motion[y]
-
-
-def _along(parts: dict[str, float], origin: float = 0.0) -> Callable[[Motion], Values]:
-    return lambda motion: np.sum([part * motion[channel] for channel, part in parts.items()], axis=0) - origin
-
-
-def _across(scene: Scene, force: str, on: str, normal: complex) -> Callable[[Motion], Values]:
-    """The force of a guide, across it, as a vector in the ground's frame."""
-    return lambda motion: motion[force] * np.exp(1j * MotionVectors(scene, motion).angle(on)) * normal
+            yield CycleCurve(quantity(channel), channel.rpartition(".")[0], {channel: 1}, 1.0)

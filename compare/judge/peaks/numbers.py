@@ -17,8 +17,8 @@ from .stroke import DWELLING, RowNumbers, Stroke, at, chords
 
 NOTHING = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
 ROUNDING = 1e-9  # of that scale: what is less is found nowhere
-LARGEST = {"velocity": "peak speed", "acceleration": "peak acceleration"}  # by kind of curve
 AT_JOINTS = {"reaction": "largest force", "guide_force": "largest guide force", "guide_moment": "largest guide moment"}
+LARGEST = {"velocity": "peak speed", "acceleration": "peak acceleration", **AT_JOINTS}  # by kind of curve
 SMALLEST = {"transmission": "least transmission angle", "to_lock": "distance to a singular pose"}
 STROKE, CLOSED, OPEN, DWELL = "stroke", "closed", "open", "dwell"  # kinds of an output's numbers
 
@@ -52,11 +52,13 @@ def numbers(
         stroke = np.abs(chords(by_kind["path"].values(motion)))
         yield CycleNumber(STROKE, by_kind["path"], stroke, "m", stroke, kind=STROKE)
     for curve in followed:
-        if curve.kind in LARGEST:
-            yield _largest(LARGEST[curve.kind], "", curve, motion)
-        elif curve.kind in AT_JOINTS:
-            kind = AT_JOINTS[curve.kind]
-            yield _largest(f"{kind} at {curve.of}", kind, curve, motion)
+        if kind := LARGEST.get(curve.kind):
+            sizes = np.abs(curve.values(motion))
+            row = sizes.argmax(axis=-1)
+            value = at(sizes, row)
+            name = f"{kind} at {curve.of}" if curve.kind in AT_JOINTS else kind
+            size, there = np.maximum(value, NOTHING * curve.scale), np.where(value > ROUNDING * curve.scale, row, -1)
+            yield CycleNumber(name, curve, value, curve.unit, size, there, kind)
     if "effort" in by_kind:
         yield from _of_drive(scene, by_kind["effort"], motion)
     for kind, name in SMALLEST.items():
@@ -66,14 +68,6 @@ def numbers(
             value = np.min([values.min(axis=-1) for values in least.values()], axis=0)
             size = np.maximum(value, NOTHING * curve.scale)
             yield CycleNumber(name, curve, value, curve.unit, size, least[curve].argmin(axis=-1))
-
-
-def _largest(name: str, kind: str, curve: CycleCurve, motion: Motion) -> CycleNumber:
-    sizes = np.abs(curve.values(motion))
-    row = sizes.argmax(axis=-1)
-    value = at(sizes, row)
-    there = np.where(value > ROUNDING * curve.scale, row, -1)
-    return CycleNumber(name, curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), there, kind)
 
 
 def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[CycleNumber]:

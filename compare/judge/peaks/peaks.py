@@ -16,7 +16,7 @@ from ...mechanics.reference import Reference
 from ..measure import Measurement
 from .curves import curves
 from .numbers import CycleNumber, numbers
-from .refined import beyond, jumps, refined
+from .refined import refined
 
 NOTHING = 1e-6  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
 TURNS = 10  # of a run at most, evenly spread, in which engines are compared
@@ -52,14 +52,11 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
     followed = curves(scene, reference.scale, known)
     if not followed:
         return []
-    motion = refined(
-        followed,
-        reference.cycle,
-        lambda time: reference.at(scene.drive.at(time).position, time),
-        repeats=scene.drive.periodic,
-        bends=partial(beyond, scene),
-        switches=partial(_switches, reference) if jumps(scene) else None,
-    )
+
+    def solve(time: Samples) -> Motion:
+        return reference.at(scene.drive.at(time).position, time)
+
+    motion = refined(scene, followed, reference.cycle, solve, partial(_switches, reference))
     over = reference.mechanics.axis.channel
     differences = {
         m.run.engine: _differences(reference, m.run.motion)

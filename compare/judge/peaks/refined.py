@@ -5,7 +5,7 @@ parabola, and each time the place is known to about the square of what it was. W
 is a parabola: there so many samples are taken that one of them is near whatever happens.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import pi
 
 import numpy as np
@@ -13,10 +13,11 @@ import numpy as np
 from scenes import Failure, Motion, Scene
 from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, MotionLaw, PressForce, SegmentedLaw
+from scenes.scene import MotionLaw, PressForce, SegmentedLaw
 
 from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
+from ..checks import closed_by
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
 
@@ -32,7 +33,7 @@ def jumps(scene: Scene) -> bool:
     return by_parts or any(isinstance(load, PressForce) for load in scene.loads)
 
 
-def beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
+def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
     """Yield how far each table of a load is beyond each of its entries, (..., n): forces bend where that is zero."""
     for name, table in _tables(scene):
         over = argument(MotionVectors(scene, motion), name, table)
@@ -42,11 +43,9 @@ def beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
 
 
 def needed(scene: Scene) -> Iterator[str]:
-    """Yield the channels that `beyond` needs, besides the time and the drive's."""
+    """Yield the channels that `refined` needs, besides the time and the drive's."""
     for name in (name for name, table in _tables(scene) if table.over == "displacement"):
-        pair = [scene.bodies[each] for each in (name, scene.slides[name].on) if each != GROUND]
-        yield from (f"{body.points[0]}.{of}" for body in pair if body.points[0] not in scene.ground for of in "xy")
-        yield from (f"{body.name}.angle" for body in pair if body.name in scene.turning)
+        yield from closed_by(scene, scene.bodies[name])
 
 
 def _tables(scene: Scene) -> list[tuple[str, LoadCurve]]:
@@ -54,33 +53,32 @@ def _tables(scene: Scene) -> list[tuple[str, LoadCurve]]:
 
 
 def refined(
+    scene: Scene,
     followed: Sequence[CycleCurve],
     cycle: Motion,
     solve: Callable[[Samples], Motion],
-    *,
-    repeats: bool,
-    bends: Callable[[Motion], Iterable[Samples]],
-    switches: Callable[[Motion, Samples], Samples] | None,
+    switches: Callable[[Motion, Samples], Samples] | None = None,
 ) -> Motion:
     """A cycle with samples added, in the order of the time, as far as the linkage closes there.
 
     It comes in samples of shape (..., n) at equal steps of the time, from zero, both ends included; `solve` has others,
-    at instants, s, of shape (..., k). Where another cycle follows, an extreme may be on both sides of the end. Where
-    one of `bends` is zero a sample is added: an extreme may be a corner. Or where forces may jump, `switches` are the
+    at instants, s, of shape (..., k). Where another cycle follows, an extreme may be on both sides of the end. At the
+    entries of tables a sample is added: an extreme may be a corner. Or where forces may jump, `switches` are the
     instants near which press forces come or go, of a motion in the order of the time, where its samples are not
-    further apart than a step, s.
+    further apart than a step, s; None where that is not followed.
     """
+    repeats, jump = scene.drive.periodic, jumps(scene)
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
-    side = FINE if switches else 1  # samples on either side of a place
+    side = FINE if jump else 1  # samples on either side of a place
     high = heights(followed, cycle)
-    rows = [height.argmax(axis=-1) if switches else _top(height, repeats=repeats) for height in high]
+    rows = [height.argmax(axis=-1) if jump else _top(height, repeats=repeats) for height in high]
     near = np.stack(rows, axis=-1) * step
-    corners = [] if switches else [(n, _zeros(level) * step) for n, level in enumerate(bends(cycle))]
+    corners = [] if jump else [(n, _zeros(level) * step) for n, level in enumerate(_beyond(scene, cycle))]
     levels = [n for n, places in corners for _ in range(places.shape[-1])]
     near = np.concatenate([near, *(places for _, places in corners)], axis=-1)
     motion, parts = cycle, [cycle]
-    for _ in range(ROUNDS_TO_JUMP if switches else ROUNDS):
-        if switches:
+    for _ in range(ROUNDS_TO_JUMP if jump else ROUNDS):
+        if jump and switches:
             near = np.concatenate([near, switches(in_order([motion]), step)], axis=-1)
         step = step / FINE
         near = near if repeats else np.clip(near, side * step, end - side * step)
@@ -90,11 +88,11 @@ def refined(
             motion = solve(time % end if repeats else np.clip(time, 0.0, end))
         except Failure:
             break
-        parts = [*parts, motion] if switches else [cycle, motion]  # the last samples are nearest to an extreme
+        parts = [*parts, motion] if jump else [cycle, motion]  # the last samples are nearest to an extreme
         own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(followed, motion))]
         nearer = [_vertex(around[..., k, :], y) for k, y in enumerate(own)]
         if levels:
-            values = [level.reshape(around.shape) for level in bends(motion)]
+            values = [level.reshape(around.shape) for level in _beyond(scene, motion)]
             nearer += [
                 around[..., k, 1] - step[..., 0] * _newton(values[n][..., k, :]) for k, n in enumerate(levels, len(own))
             ]

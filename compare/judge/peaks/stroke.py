@@ -77,6 +77,7 @@ class Stroke:
         return np.asarray(np.sum(np.diff(self.motion["time"]) * shares, axis=-1))
 
     @property
+    @np.errstate(invalid="ignore", divide="ignore")  # where it never turns
     def quick_return(self) -> Samples:
         """The time of the closing stroke over the other's, shape (...); NaN unless a cycle has one of each."""
         velocity, time = self.by_kind["velocity"].values(self.motion), self.motion["time"]
@@ -86,12 +87,10 @@ class Stroke:
         instants = []
         for row in rows:
             (before, after), (begin, end) = ((at(v, row), at(v, row + 1)) for v in (velocity, time))
-            with np.errstate(invalid="ignore", divide="ignore"):  # where it never turns
-                instants.append(begin + (end - begin) * before / (before - after))
+            instants.append(begin + (end - begin) * before / (before - after))
         inner = instants[1] - instants[0]  # the stroke between the turns
         outer = time[..., -1] - time[..., 0] - inner  # and the one around them
-        with np.errstate(invalid="ignore", divide="ignore"):
-            ratio = np.where(at(outwards, rows[1]) == (self.closing > 0), inner / outer, outer / inner)
+        ratio = np.where(at(outwards, rows[1]) == (self.closing > 0), inner / outer, outer / inner)
         return np.where(turns.sum(axis=-1) == 2, ratio, nan)
 
 
@@ -124,5 +123,4 @@ def at(values: NDArray[Any], row: RowNumbers) -> NDArray[Any]:
 
 def chords(places: Values) -> Values:
     """The vector between the two of some positions that are furthest apart, shape (...)."""
-    each = [chord(path) for path in places.reshape(-1, places.shape[-1])]
-    return np.reshape(each, places.shape[:-1])
+    return np.apply_along_axis(chord, -1, places)

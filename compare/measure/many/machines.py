@@ -9,7 +9,6 @@ press force comes or goes just there the place does matter, and the linear model
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from statistics import NormalDist
 from typing import Any, TypeAlias
 
@@ -22,7 +21,7 @@ from scenes.model.motion import Samples
 from ...engines import registry
 from ...judge.peaks.curves import CycleCurve, Values, curves
 from ...judge.peaks.numbers import CLOSED, DWELL, STROKE, CycleNumber, numbers
-from ...judge.peaks.refined import beyond, jumps, needed, refined
+from ...judge.peaks.refined import needed, refined
 from ...judge.peaks.stroke import DWELLING, RowNumbers, Stroke, chords
 from ...judge.proof import channels_of, met
 from ...mechanics.reference import SCALE_SAMPLES, Reference
@@ -85,10 +84,8 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
         return Motion(answer.samples)
 
     time = np.arange(samples + 1) / samples * np.broadcast_to(many.drive.cycle, (count, 1))
-    repeats, bends = scene.drive.periodic, partial(beyond, many)
-    switches = (lambda motion, _: np.zeros((*motion["time"].shape[:-1], 0))) if jumps(scene) else None
     with np.errstate(invalid="ignore"):  # of machines that do not run
-        motion = refined(quantities, solved(time), solved, repeats=repeats, bends=bends, switches=switches)
+        motion = refined(many, quantities, solved(time), solved)
     rows = np.flatnonzero([ended is Status.ok for ended in status])
     if not rows.size:
         return SolvedMachines(status, reason, rows, Motion({}), ())

@@ -98,6 +98,8 @@ def test_a_missed_tolerance_is_a_disagreement(judge: Judge, reference: Reference
         (Status.timed_out, "stub ran out of time."),
         (Status.diverged, "stub ran away."),
         (Status.not_converged, "stub did not converge."),
+        (Status.jammed, "stub is held by its friction."),
+        (Status.undetermined, "stub found more than one set of forces."),
     ],
 )
 def test_one_that_did_not_solve_it_leaves_a_part(judge: Judge, status: Status, why: str) -> None:

@@ -7,15 +7,18 @@ import numpy as np
 import pytest
 
 from compare.engines import registry
+from compare.engines.runner import Run
 from compare.judge.causes.cause import Kind
 from compare.judge.causes.evidence import Evidence, evidence
 from compare.judge.causes.forces import force_causes
 from compare.judge.causes.numbers import number_causes
 from compare.judge.causes.whole import drive_causes
 from compare.judge.causes.words import words
-from compare.judge.triage import cause, likeliest
+from compare.judge.measure import assess
+from compare.judge.triage import cause, likeliest, sentences
 from compare.mechanics.reference import Reference
-from scenes import Motion, Sampling, Scene
+from compare.mechanics.round_off import explain
+from scenes import Motion, Sampling, Scene, Settings, Status
 from scenes.fields import put
 from scenes.model.motion import Samples, force_channels, quantity
 from scenes.scene import ConstantSpeed
@@ -121,3 +124,14 @@ def test_causes_are_known_where_the_crank_turns_but_a_part(references: Reference
     wrong = Motion({**motion.samples, "T.vx": -motion["T.vx"]})
     named = cause(reference, sampling, wrong)
     assert (named.kind, named.place) == (Kind.sign, "T")
+
+
+def test_what_an_engine_does_not_give_is_not_what_is_wrong(reference: Reference) -> None:
+    """One that has no forces, and other velocities of a point."""
+    forces = force_channels(reference.scene)
+    wrong = {c: 1.05 * own if c in ("T.vx", "T.vy") else own for c, own in commanded(reference.scene).items()}
+    kinematic = Motion({c: own for c, own in wrong.items() if c not in forces}, dict.fromkeys(forces, "it has none"))
+    run = Run("stub", Settings("", promise=1e-6), Status.ok, motion=kinematic)
+    measured = assess(reference, SAMPLING, run, explain(reference, SAMPLING))
+    assert measured.run.status is Status.inaccurate, measured.run.reason
+    assert sentences(reference, [measured]) == {"stub": "stub: T's velocity is 1.05 times what it should be"}
