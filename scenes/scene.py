@@ -6,12 +6,10 @@ models is one the comparison cannot see. What a body as drawn weighs has a secon
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi, remainder, sqrt, tau
 from typing import Annotated, Any, Literal
-
-import numpy as np
 
 from .bodies import GROUND, Body, DrawnBody, Slide
 from .drive import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
@@ -237,12 +235,11 @@ class Scene:
         shares of its length in the file.
         """
         other: Scene = put(self, {self.numbers[path].at: value for path, value in values.items()})
-        loads = list(other.loads)
-        for number, load in enumerate(loads):
-            if isinstance(load, PressForce) and (slide := other.bodies[load.body].slide):
-                closing = closing_sense(load.force, slide)
-                loads[number] = replace(load, closing=closing) if np.ndim(closing) else load
-        return replace(other, loads=tuple(loads))
+        for number, load in enumerate(other.loads):
+            if isinstance(load, PressForce):
+                sense = closing_sense(load.force, other.slides[load.body])
+                other = put(other, {("loads", number, "closing"): sense})
+        return other
 
     def length(self, metres: float, digits: int = 4) -> str:
         """A length in the unit of the file, as messages name it: `12.41 mm`."""

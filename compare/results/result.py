@@ -53,14 +53,12 @@ class Result:
     def asked_for(self, asked: frozenset[str] | None) -> "Result":
         """Return the result with those of its channels alone that are asked for; InputError where it has none."""
         given = self.request.channels or frozenset()
-        if asked is None or self.run.motion is None:
+        if asked is None:
             return self
         if not given & asked:
             given_are = one_line(", ".join(sorted(given)), 60)
             raise InputError(f"arguments: --channels: expected one that {self.run.engine} gives: {given_are}")
-        samples = {c: v for c, v in self.run.motion.samples.items() if c not in given or c in asked}
-        request = replace(self.request, channels=given & asked)
-        return replace(self, request=request, run=replace(self.run, motion=Motion(samples)))
+        return replace(self, request=replace(self.request, channels=given & asked))
 
 
 def read_results(scenes: Sequence[Scene], texts: Sequence[str], asked: frozenset[str] | None) -> list[Result]:

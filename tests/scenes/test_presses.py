@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 import scenes
 from scenes import Scene
+from scenes.scene import PressForce
 from tests.agreement import solve as moving
 
 from .test_library import turned
@@ -107,3 +108,12 @@ def test_clamp_locks(name: str) -> None:
     assert motion["C.vx"][0] >= 1e-3 >= 1e12 * abs(motion["C.vx"][1])  # m/s; so the platen stands, not as before,
     assert abs(motion["C.fx"][1] - 2e6) <= 1e3  # N; holds half of 4000 kN, to the digits of the table,
     assert abs(motion["drive.force"][1]) <= 10  # N; and takes no thrust but that of inertia
+
+
+def test_a_force_that_is_turned_round_meets_the_slider_on_its_other_way() -> None:
+    """Whether a file has the force, or one machine or many are made of another file's."""
+    scene, turned_round = PRESSES["crank_press"].scene, {"loads.0.force.1": -PRESSES["crank_press"].force}
+    of_file = scenes.load("crank_press", {path: force / 1e3 for path, force in turned_round.items()})
+    of_many = scene.with_numbers({path: np.array([[force]]) for path, force in turned_round.items()})
+    loads = (of.loads[0] for of in (scene, of_file, scene.with_numbers(turned_round), of_many))
+    assert [np.asarray(load.closing).item() for load in loads if isinstance(load, PressForce)] == [-1, 1, 1, 1]
