@@ -14,6 +14,8 @@ const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new 
 const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
 const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
 
+const largestAt = values => values.reduce((best, v, n) => (v > values[best] || Number.isNaN(values[best]) ? n : best), 0);
+
 // --- the program -----------------------------------------------------------------------------------------------------
 
 const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a slider, as `analytic` finds it
@@ -25,7 +27,7 @@ const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a s
   };
   const way = Array.from({ length: WAY + 1 }, (_, n) => least + ((most - least) * n) / WAY);
   const closed = way.map(position => at(position)[0]);
-  const last = closed.reduce((best, value, n) => (value > closed[best] || !(closed[best] === closed[best]) ? n : best), 0);
+  const last = largestAt(closed);
   let [low, high] = [way[Math.max(last - 1, 0)], way[Math.min(last + 1, WAY)]];
   const rising = at(low)[1] > 0;
   if (rising !== at(high)[1] > 0)
@@ -90,10 +92,8 @@ const refined = (number, rows, of, best) => { // the largest near a sample, betw
 };
 const asked = (one, rows, number) => { // SI, and the sample that is nearest; without the numbers of samples alone
   const of = rows => measured(one, rows), here = of(rows), sizes = rows[0].map((_, n) => here(n));
-  const at = sizes.reduce((best, v, n) => (v > sizes[best] || !(sizes[best] === sizes[best]) ? n : best), 0);
-  const top = refined(number, rows, of, at);
+  const at = largestAt(sizes), top = refined(number, rows, of, at);
   if (one.kind === "least") return [-top, at];
   if (one.kind === "largest") return [one.channels.length > 1 ? top : top * Math.sign(rows[column[one.channels[0]]][at]), at];
-  const lowest = sizes.reduce((best, v, n) => (v < sizes[best] ? n : best), 0);
-  return [top + refined(number, rows, rows => n => -of(rows)(n), lowest), at];
+  return [top + refined(number, rows, rows => n => -of(rows)(n), largestAt(sizes.map(size => -size))), at];
 };
