@@ -6,10 +6,10 @@ const grounded = bench.numbers.flatMap(({ path, value }, k) => {
   return table === "ground" ? [{ point, q, k, value }] : [];
 });
 
-const stand = rows => { // by sample, itself or the nearest one that has a pose
-  const poses = [...rows.at(-1).keys()].filter(n => rows.at(-1)[n] >= 0);
-  const nearer = (m, n) => best => (Math.abs(m - n) < Math.abs(best - n) ? m : best);
-  return rows[0].map((_, n) => (rows.at(-1)[n] >= 0 ? n : poses.reduce((best, m) => nearer(m, n)(best), poses[0] ?? -1)));
+const stand = solved => { // by sample, itself or the nearest one that has a pose
+  const hasPose = n => solved.at(-1)[n] >= 0, poses = rows.filter(hasPose);
+  const nearest = n => poses.reduce((best, m) => (Math.abs(m - n) < Math.abs(best - n) ? m : best), poses[0] ?? -1);
+  return rows.map(n => (hasPose(n) ? n : nearest(n)));
 };
 const fill = rows => {
   const from = stand(rows);
@@ -76,7 +76,7 @@ const update = () => {
   document.body.classList.toggle("edited", isEdited);
   if (isEdited) force.value = force.value && 0, magnify.value = 0;
   force.disabled = magnify.disabled = isEdited;
-  const open = [...rowsNow.at(-1).keys()].filter(n => !(rowsNow.at(-1)[n] >= 0));
+  const open = unclosed(rowsNow);
   const from = () => `from ${position(open[0])} to ${position(open.at(-1))}, where ${gaps(open).join(" and ")} cannot be closed`;
   inTable(".open").textContent = open.length
     ? `The page finds no solution at ${open.length} of ${count} positions, ${from()}: the nearest pose is drawn.` : "";
@@ -107,7 +107,7 @@ const STEP = 1e-4; // of a number, to either side
 let weighing = 0; // how often it has begun
 const weigh = async () => { // by what share the chosen number of the design changes with 1 % of each of its numbers
   const mine = ++weighing, one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
-  const size = () => (stops(solve(number, rows)) < 0 ? Math.abs(asked(one, rows)[0]) : NaN);
+  const size = () => (unclosed(solve(number, rows)).length ? NaN : Math.abs(asked(one, rows)[0]));
   const now = size(), shares = [];
   for (const { dataset: { k } } of rowsIn) {
     const kept = number[k], [less, more] = [-1, 1].map(sign => {
@@ -202,17 +202,17 @@ inTable(".numbers").addEventListener("input", ({ target }) => {
   update();
 });
 inTable("[name=weighed]").onchange = weigh;
-document.querySelectorAll(".undo").forEach(button => (button.onclick = () => {
+document.querySelector(".undo").onclick = () => {
   edited.set(design);
   update();
-}));
-document.querySelectorAll(".copy").forEach(button => (button.onclick = async () => {
+};
+document.querySelector(".copy").onclick = async () => {
   const box = document.querySelector("#scene-text");
   box.value = toml();
   box.closest("[hidden]")?.removeAttribute("hidden");
   box.select();
   await navigator.clipboard?.writeText(box.value).catch(() => {}); // else it is selected
-}));
+};
 
 const away = selfDifference(), check = document.getElementById("self-check");
 const apart = `the numbers of the run to ${away.toExponential(0)} of each channel's peak`;

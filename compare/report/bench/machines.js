@@ -31,7 +31,7 @@ const machines = async () => {
     }
     number.set(edited);
     drawn.numbers.forEach((k, j) => (number[k] += drawn.off[j][m]));
-    if (stops(solve(number, own, (quick ??= withoutAngles()))) >= 0) continue;
+    if (unclosed(solve(number, own, (quick ??= withoutAngles()))).length) continue;
     running++;
     met += meets(own);
     bench.asked.forEach((wanted, k) => sizes[k].push(asked(wanted, own)[0]));
@@ -53,7 +53,6 @@ const machines = async () => {
 if (chosen) {
   edits.push(machines);
   chosen.onchange = () => {
-    table.classList.toggle("many", chosen.checked);
     inTable(".machines").textContent = "";
     if (!chosen.checked) plots.forEach(plot => plot.drawn?.band());
     machines();

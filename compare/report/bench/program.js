@@ -36,6 +36,7 @@ const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a s
   return at(0)[2] * (dead > closed[last] ? dead : closed[last]); // the one that is a number
 };
 
+const unclosed = rows => [...rows.at(-1).keys()].filter(n => !(rows.at(-1)[n] >= 0)); // samples without a pose
 const inputs = (number, of = values => values) => Object.entries(given).map(([name, values]) => {
   const faster = name === "time" && rate !== undefined ? number[rate] / design[rate] : 1; // where a speed is edited
   return faster === 1 ? of(values) : of(values).map(time => time / faster);
@@ -43,8 +44,7 @@ const inputs = (number, of = values => values) => Object.entries(given).map(([na
 const solve = (number, rows, by = line) => {
   for (const [name, stroke, run] of strokes) number[index[name]] = strokeEnd(number, stroke, run);
   by(number, inputs(number), rows, count);
-  const reach = rows.at(-1);
-  for (let n = 0; n < count; n++) if (!(reach[n] >= 0)) for (const row of rows) row[n] = NaN; // whatever the formulas give
+  for (const n of unclosed(rows)) for (const row of rows) row[n] = NaN; // whatever the formulas give
   return rows;
 };
 const gaps = open => { // at some samples, what does not close
@@ -54,7 +54,6 @@ const gaps = open => { // at some samples, what does not close
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
 await pause();
-const stops = rows => rowsOfDesign[0].findIndex((_, n) => !(rows.at(-1)[n] >= 0)); // the first sample without a pose
 
 const largest = values => values.reduce((most, v) => Math.max(most, v), 0); // NaN where there is one
 const selfDifference = () => { // the largest, as a part of each channel's peak

@@ -205,16 +205,12 @@ class Plot {
     for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
   }
 
-  table({ section, panel }) {
-    const table = document.createElement("table"), { curves } = panels[panel], cells = [];
-    table.className = "readout";
+  table({ section, panel, curves }) {
+    const table = element("table", { className: "readout" }), cells = [];
     const row = texts => {
-      const added = table.insertRow();
-      return texts.map((text, k) => {
-        const cell = added.appendChild(document.createElement(k ? "td" : "th"));
-        cell.textContent = text;
-        return cell;
-      });
+      const own = texts.map((textContent, k) => element(k ? "td" : "th", { textContent }));
+      table.insertRow().append(...own);
+      return own;
     };
     row(["", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
     const places = curves.map(curve => decimals(peak(rows.map(n => plotted(curve, n))), 6));
@@ -235,7 +231,7 @@ class Plot {
   edit() { // the curves of the design as it is now
     if (!this.drawn || !this.near || !this.curves.length) return;
     this.drawn.ghost(isEdited);
-    for (const curve of isEdited ? this.curves : []) this.drawn.set(curve.name, 1, rows.map(n => plotted(curve, n)), rows.map(over));
+    for (const curve of isEdited ? this.curves : []) this.drawn.set(curve.name, rows.map(n => plotted(curve, n)), rows.map(over));
   }
 
   show(n) {
@@ -293,9 +289,7 @@ const play = once => {
     share += Math.min(Math.max(moment - last, 0), FRAME) / LONG;
     last = moment;
     if (once && share >= 1) return stop(), show(0);
-    let n = 0;
-    while (n < count - 1 && value("time", n + 1) <= start + (share % 1) * span) n++;
-    show(n);
+    show(rows.findLast(n => value("time", n) <= start + (share % 1) * span));
     requestAnimationFrame(step);
   };
   playing = step;
