@@ -55,15 +55,14 @@ const gaps = open => { // at some samples, what does not close
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
 await pause();
 
-const largest = values => values.reduce((most, v) => Math.max(most, v), 0); // NaN where there is one
-const selfDifference = () => { // the largest, as a part of each channel's peak
+const selfDifference = () => { // the largest, as a part of each channel's peak; NaN where there is one
   const parts = bench.channels.map((channel, c) => {
     const own = rowsOfDesign[c], peakOf = bench.peaks[c], q = head.quanta[head.channels.indexOf(channel)];
     const exact = bench.exact.rows.map((n, k) => Math.abs(own[n] - bench.exact.samples[c][k]));
     const packed = q === undefined ? [] : [...own].map((v, n) => Math.max(Math.abs(v - value(channel, n)) - q, 0));
-    return largest([...exact, ...packed]) / peakOf;
+    return Math.max(0, ...exact, ...packed) / peakOf;
   });
-  return largest(parts);
+  return Math.max(0, ...parts);
 };
 
 // --- what a design is asked for --------------------------------------------------------------------------------------
