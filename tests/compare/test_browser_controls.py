@@ -35,7 +35,7 @@ pytestmark = pytest.mark.browser
 ROD = str(scene_files.FOLDER / "ladders" / "rod.toml")
 BUTTONS = ("Zoom in", "Zoom out", "Reset axes", "Save as PNG")
 ZOOM = "Drag to zoom"  # where dragging moves the linkage otherwise
-RANGES = """plot => Object.fromEntries(plot.plot.panels.flatMap(({ number, u }) =>
+RANGES = """plot => Object.fromEntries(plot.plot.panels.flatMap(({ u }, number) =>
   ['x', 'y'].map(letter => [letter + number, [u.scales[letter].min, u.scales[letter].max]])))"""
 VISIBLE = """plot => plot.plot.panels.flatMap(({ u, traces }) =>
   traces.map(({ legendgroup, name }, k) => [legendgroup ?? name ?? '', u.series[k + 1].show]))"""
@@ -281,7 +281,7 @@ def test_values_of_a_curve_are_replaced_within_a_frame(report: "Page") -> None:
           const [{ traces: [{ name, y }] }] = plot.panels, now = () => plot.panels[0].u, times = [];
           const before = now().scales.y.max;
           for (let n = 0; n < 30; n++) {
-            plot.set(name, 1, y.map(v => v + n));
+            plot.set(name, y.map(v => v + n));
             await frame();
             const start = performance.now();
             plot.refresh();
@@ -289,7 +289,7 @@ def test_values_of_a_curve_are_replaced_within_a_frame(report: "Page") -> None:
             times.push(performance.now() - start);
           }
           const moved = now().scales.y.max - before, kept = now().data[1][1][0] - y[0];
-          plot.set(name, 1, y);
+          plot.set(name, y);
           await frame();
           await null;
           return { moved, kept, back: now().scales.y.max - before, median: times.sort((a, b) => a - b)[15] };

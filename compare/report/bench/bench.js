@@ -6,41 +6,37 @@ const grounded = bench.numbers.flatMap(({ path, value }, k) => {
   return table === "ground" ? [{ point, q, k, value }] : [];
 });
 
-const stand = rows => { // by sample, itself or the nearest one that has a pose
-  const poses = [...rows.at(-1).keys()].filter(n => rows.at(-1)[n] >= 0);
-  const nearer = (m, n) => best => (Math.abs(m - n) < Math.abs(best - n) ? m : best);
-  return rows[0].map((_, n) => (rows.at(-1)[n] >= 0 ? n : poses.reduce((best, m) => nearer(m, n)(best), poses[0] ?? -1)));
+const stand = solved => { // by sample, itself or the nearest one that has a pose
+  const hasPose = n => solved.at(-1)[n] >= 0, poses = rows.filter(hasPose);
+  const nearest = n => poses.reduce((best, m) => (Math.abs(m - n) < Math.abs(best - n) ? m : best), poses[0] ?? -1);
+  return rows.map(n => (hasPose(n) ? n : nearest(n)));
 };
 const fill = rows => {
   const from = stand(rows);
   bench.channels.forEach((channel, c) => channel in place && numbers.set(rows[c], place[channel]));
   for (const channel of posed)
     from.forEach((m, n) => (numbers[place[channel] + n] = m < 0 ? run.numbers[place[channel] + n] : rows[column[channel]][m]));
-  for (const { channel, on, way: [u, v], names } of bench.pushes) {
+  for (const { channel, on, way, names } of bench.pushes) {
     if (!(channel in column) || !(names[0] in place)) continue;
-    for (let n = 0; n < count; n++) {
-      const size = rows[column[channel]][n], turn = rows[column[`${on}.angle`]]?.[n] ?? 0;
-      numbers[place[names[0]] + n] = size * (u * Math.cos(turn) - v * Math.sin(turn));
-      numbers[place[names[1]] + n] = size * (u * Math.sin(turn) + v * Math.cos(turn));
-    }
+    rows[column[channel]].forEach((size, n) => turned(way, angle(on, n)).forEach((part, q) => {
+      numbers[place[names[q]] + n] = size * part;
+    }));
   }
   for (const { point, q, k } of grounded) head.ground[point][q] = edited[k];
 };
 
 // --- the picture -----------------------------------------------------------------------------------------------------
 
-const shapes = Object.entries(bench.shapes).map(([body, points]) => [body, points, find(`[data-turn="${body}"] > .own`)]);
+const shapes = Object.entries(head.outlines).map(([body, points]) => [body, points, find(`[data-turn="${body}"] > .own`)]);
 const ways = [...svg.querySelectorAll(".path")], ghost = made("path", svg.querySelector(".engines"), "before");
-const drawn = points => `M${points.map(point => point.map(z => z.toFixed(2)).join(" ")).join("L")}`;
+const arm = ([ax, ay], [bx, by]) => [bx - ax, by - ay]; // from one point to another
 const judged = (point, n) => inPicture(...run.ground[point] ?? ["x", "y"].map(q => run.numbers[place[`${point}.${q}`] + n]));
 const reshape = n => { // bodies in their own frames, and as they were
   for (const [body, points, path] of shapes) {
-    const [x, y] = at(points[0], n), angle = `${body}.angle` in place ? value(`${body}.angle`, n) : 0;
-    const c = Math.cos(angle), s = Math.sin(angle);
-    const own = ([a, b]) => [c * (a - x) - s * (b - y), s * (a - x) + c * (b - y)];
-    path.setAttribute("d", drawn(points.map(point => own(at(point, n)))));
+    const own = point => turned(arm(at(points[0], n), at(point, n)), angle(body, n));
+    path.setAttribute("d", polyline(points.map(own)));
   }
-  ghost.setAttribute("d", isEdited ? shapes.map(([, points]) => drawn(points.map(point => judged(point, n)))).join("") : "");
+  ghost.setAttribute("d", isEdited ? shapes.map(([, points]) => polyline(points.map(point => judged(point, n)))).join("") : "");
 };
 followers.push(n => isEdited && reshape(n));
 
@@ -60,14 +56,15 @@ const guides = [...svg.querySelectorAll("[data-guides]")].map(guide => { // on t
 const rowsIn = inTable(".numbers tbody").rows, rowsOut = inTable(".asked tbody").rows;
 const judgedSizes = bench.asked.map((one, r) => {
   const [was] = asked(one, rowsOfDesign, design), places = decimals(Math.abs(one.factor * was), 4);
-  rowsOut[r].cells[1].textContent = `${written(one.factor * was, places)} ${one.unit}`;
-  return { was, places };
+  const text = (...values) => `${values.map(size => written(one.factor * size, places)).join(" to ")} ${one.unit}`;
+  rowsOut[r].cells[1].textContent = text(was);
+  return { was, text };
 });
+const percent = (share, text) => `${share < 0 ? "−" : "+"}${text(Math.abs(share))} %`;
 const compare = () => bench.asked.forEach((one, r) => {
-  const [now, at] = asked(one, isEdited ? rowsNow : rowsOfDesign, edited), { was, places } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
-  cell.textContent = isEdited ? `${written(one.factor * now, places)} ${one.unit}` : "";
-  const share = 100 * (Math.abs(now / was) - 1);
-  change.textContent = isEdited ? `${share < 0 ? "−" : "+"}${Math.abs(share).toFixed(1)} %` : "";
+  const [now, at] = asked(one, isEdited ? rowsNow : rowsOfDesign, edited), { was, text } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
+  cell.textContent = isEdited ? text(now) : "";
+  change.textContent = isEdited ? percent(100 * (Math.abs(now / was) - 1), share => share.toFixed(1)) : "";
   where.textContent = position(at);
 });
 
@@ -79,12 +76,12 @@ const update = () => {
   document.body.classList.toggle("edited", isEdited);
   if (isEdited) force.value = force.value && 0, magnify.value = 0;
   force.disabled = magnify.disabled = isEdited;
-  const open = [...rowsNow.at(-1).keys()].filter(n => !(rowsNow.at(-1)[n] >= 0));
+  const open = unclosed(rowsNow);
   const from = () => `from ${position(open[0])} to ${position(open.at(-1))}, where ${gaps(open).join(" and ")} cannot be closed`;
   inTable(".open").textContent = open.length
     ? `The page finds no solution at ${open.length} of ${count} positions, ${from()}: the nearest pose is drawn.` : "";
   guides.forEach(lay => lay());
-  ways.forEach((path, k) => path.setAttribute("d", drawn(rows.map(n => at(bench.paths[k], n)))));
+  ways.forEach((path, k) => path.setAttribute("d", polyline(rows.map(n => at(bench.paths[k], n)))));
   reshape(now);
   show(now);
   edits.forEach(redraw => redraw());
@@ -110,11 +107,7 @@ const STEP = 1e-4; // of a number, to either side
 let weighing = 0; // how often it has begun
 const weigh = async () => { // by what share the chosen number of the design changes with 1 % of each of its numbers
   const mine = ++weighing, one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
-  const size = () => {
-    solve(number, rows);
-    const of = measured(one, rows), sizes = rows[0].map((_, n) => of(n));
-    return one.kind === "range" ? Math.max(...sizes) - Math.min(...sizes) : Math.abs(Math.max(...sizes));
-  };
+  const size = () => (unclosed(solve(number, rows)).length ? NaN : Math.abs(asked(one, rows)[0]));
   const now = size(), shares = [];
   for (const { dataset: { k } } of rowsIn) {
     const kept = number[k], [less, more] = [-1, 1].map(sign => {
@@ -130,7 +123,7 @@ const weigh = async () => { // by what share the chosen number of the design cha
   [...rowsIn].forEach((row, r) => {
     const [bar, figure] = row.lastElementChild.children;
     bar.style.width = `${(4 * Math.abs(shares[r] / most) || 0).toFixed(2)}em`;
-    figure.textContent = Math.abs(shares[r]) >= 5e-4 ? `${shares[r] < 0 ? "−" : "+"}${Math.abs(shares[r]).toPrecision(2)} %` : "";
+    figure.textContent = Math.abs(shares[r]) >= 5e-4 ? percent(shares[r], share => share.toPrecision(2)) : "";
   });
 };
 
@@ -140,31 +133,25 @@ const metres = event => {
   const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
   return [x / head.perMetre + head.corner[0], head.corner[1] - y / head.perMetre];
 };
-const there = (point, n) => head.ground[point] ?? ["x", "y"].map(q => value(`${point}.${q}`, n));
-const along = ([x, y], [ax, ay], [u, v]) => [ax + u * ((x - ax) * u + (y - ay) * v), ay + v * ((x - ax) * u + (y - ay) * v)];
+const foot = (goal, [x, y], [u, v]) => { // of a point, on the line through another one
+  const [dx, dy] = arm([x, y], goal), share = (dx * u + dy * v) / (u * u + v * v);
+  return [x + share * u, y + share * v];
+};
 const dragged = (point, goal, n) => {
   for (const move of bench.points[point]) {
     if (move.ground) {
       move.ground.forEach((k, q) => k >= 0 && (edited[k] = goal[q]));
       continue;
     }
-    const from = there(point, n), angle = `${move.body}.angle` in place ? value(`${move.body}.angle`, n) : 0;
-    const c = Math.cos(angle), s = Math.sin(angle);
-    if (move.slide) { // on its guide
-      const turn = `${move.slide.on}.angle` in place ? value(`${move.slide.on}.angle`, n) : 0, [u, v] = move.slide.along;
-      goal = along(goal, from, [u * Math.cos(turn) - v * Math.sin(turn), u * Math.sin(turn) + v * Math.cos(turn)]);
-    } else if (move.local.length) {
-      const [dx, dy] = [goal[0] - from[0], goal[1] - from[1]];
-      [c * dx + s * dy, c * dy - s * dx].forEach((d, q) => move.local[q] >= 0 && (edited[move.local[q]] += d));
+    const from = there(point, n);
+    if (move.slide) goal = foot(goal, from, turned(move.slide.along, angle(move.slide.on, n))); // on its guide
+    else if (move.local.length) {
+      const own = turned(arm(from, goal), -angle(move.body, n));
+      own.forEach((d, q) => move.local[q] >= 0 && (edited[move.local[q]] += d));
     } else {
-      if (move.pivot) { // its drive leaves it only its length
-        const pivot = there(move.pivot, n), length = Math.hypot(from[0] - pivot[0], from[1] - pivot[1]);
-        goal = along(goal, pivot, [(from[0] - pivot[0]) / length, (from[1] - pivot[1]) / length]);
-      }
-      for (const [k, other] of move.lengths) {
-        const end = there(other, n);
-        edited[k] = Math.hypot(goal[0] - end[0], goal[1] - end[1]);
-      }
+      const pivot = move.pivot && there(move.pivot, n);
+      if (pivot) goal = foot(goal, pivot, arm(pivot, from)); // its drive leaves it only its length
+      for (const [k, other] of move.lengths) edited[k] = Math.hypot(...arm(there(other, n), goal));
     }
   }
   update();
@@ -198,7 +185,7 @@ const toml = () => {
   const lines = [];
   const section = (name, v) => lines.push(`\n[${name}]\n${pairs(v, "\n")}`);
   const plain = Object.entries(tables).filter(([name, v]) => name === "units" || !(isTable(v) || isList(v)));
-  lines.push(pairs({ ...Object.fromEntries(plain), name: `${bench.name}_edited` }, "\n"));
+  lines.push(pairs({ ...Object.fromEntries(plain), name: `${tables.name}_edited` }, "\n"));
   for (const [name, v] of Object.entries(tables)) {
     if (name === "units") continue;
     if (isList(v)) v.forEach(one => section(`[${name}]`, one));
@@ -215,17 +202,17 @@ inTable(".numbers").addEventListener("input", ({ target }) => {
   update();
 });
 inTable("[name=weighed]").onchange = weigh;
-document.querySelectorAll(".undo").forEach(button => (button.onclick = () => {
+document.querySelector(".undo").onclick = () => {
   edited.set(design);
   update();
-}));
-document.querySelectorAll(".copy").forEach(button => (button.onclick = async () => {
+};
+document.querySelector(".copy").onclick = async () => {
   const box = document.querySelector("#scene-text");
   box.value = toml();
   box.closest("[hidden]")?.removeAttribute("hidden");
   box.select();
   await navigator.clipboard?.writeText(box.value).catch(() => {}); // else it is selected
-}));
+};
 
 const away = selfDifference(), check = document.getElementById("self-check");
 const apart = `the numbers of the run to ${away.toExponential(0)} of each channel's peak`;

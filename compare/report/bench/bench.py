@@ -19,7 +19,6 @@ from ...measure.many.machines import draws
 from ...study import Study
 from ..linkage.drawing import pushes
 from ..linkage.moving import MovingPicture
-from ..linkage.svg import outlines
 from ..numbers import units
 from ..pages.html import packed
 from ..plain import plain
@@ -74,12 +73,10 @@ class Bench:
             "steady": isinstance(scene.drive, ConstantSpeed),
             "points": {point: [*self._moves(point)] for point in scene.owners},
             "pushes": [*self._pushes()],
-            "shapes": outlines(self.moving.drawing),
             "asked": self.asked,
             "machines": self._machines(),
             "limits": [*self._limits()],
             "tables": tables_of(scene.file),
-            "name": scene.name,
         }
         return packed(json.dumps(plain(data), separators=(",", ":")).encode())
 

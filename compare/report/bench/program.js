@@ -14,6 +14,8 @@ const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new 
 const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
 const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
 
+const largestAt = values => values.reduce((best, v, n) => (v > values[best] || Number.isNaN(values[best]) ? n : best), 0);
+
 // --- the program -----------------------------------------------------------------------------------------------------
 
 const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a slider, as `analytic` finds it
@@ -25,7 +27,7 @@ const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a s
   };
   const way = Array.from({ length: WAY + 1 }, (_, n) => least + ((most - least) * n) / WAY);
   const closed = way.map(position => at(position)[0]);
-  const last = closed.reduce((best, value, n) => (value > closed[best] || !(closed[best] === closed[best]) ? n : best), 0);
+  const last = largestAt(closed);
   let [low, high] = [way[Math.max(last - 1, 0)], way[Math.min(last + 1, WAY)]];
   const rising = at(low)[1] > 0;
   if (rising !== at(high)[1] > 0)
@@ -34,6 +36,7 @@ const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a s
   return at(0)[2] * (dead > closed[last] ? dead : closed[last]); // the one that is a number
 };
 
+const unclosed = rows => [...rows.at(-1).keys()].filter(n => !(rows.at(-1)[n] >= 0)); // samples without a pose
 const inputs = (number, of = values => values) => Object.entries(given).map(([name, values]) => {
   const faster = name === "time" && rate !== undefined ? number[rate] / design[rate] : 1; // where a speed is edited
   return faster === 1 ? of(values) : of(values).map(time => time / faster);
@@ -41,8 +44,7 @@ const inputs = (number, of = values => values) => Object.entries(given).map(([na
 const solve = (number, rows, by = line) => {
   for (const [name, stroke, run] of strokes) number[index[name]] = strokeEnd(number, stroke, run);
   by(number, inputs(number), rows, count);
-  const reach = rows.at(-1);
-  for (let n = 0; n < count; n++) if (!(reach[n] >= 0)) for (const row of rows) row[n] = NaN; // whatever the formulas give
+  for (const n of unclosed(rows)) for (const row of rows) row[n] = NaN; // whatever the formulas give
   return rows;
 };
 const gaps = open => { // at some samples, what does not close
@@ -52,17 +54,15 @@ const gaps = open => { // at some samples, what does not close
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
 await pause();
-const stops = rows => rowsOfDesign[0].findIndex((_, n) => !(rows.at(-1)[n] >= 0)); // the first sample without a pose
 
-const largest = values => values.reduce((most, v) => Math.max(most, v), 0); // NaN where there is one
-const selfDifference = () => { // the largest, as a part of each channel's peak
+const selfDifference = () => { // the largest, as a part of each channel's peak; NaN where there is one
   const parts = bench.channels.map((channel, c) => {
     const own = rowsOfDesign[c], peakOf = bench.peaks[c], q = head.quanta[head.channels.indexOf(channel)];
     const exact = bench.exact.rows.map((n, k) => Math.abs(own[n] - bench.exact.samples[c][k]));
     const packed = q === undefined ? [] : [...own].map((v, n) => Math.max(Math.abs(v - value(channel, n)) - q, 0));
-    return largest([...exact, ...packed]) / peakOf;
+    return Math.max(0, ...exact, ...packed) / peakOf;
   });
-  return largest(parts);
+  return Math.max(0, ...parts);
 };
 
 // --- what a design is asked for --------------------------------------------------------------------------------------
@@ -90,10 +90,8 @@ const refined = (number, rows, of, best) => { // the largest near a sample, betw
 };
 const asked = (one, rows, number) => { // SI, and the sample that is nearest; without the numbers of samples alone
   const of = rows => measured(one, rows), here = of(rows), sizes = rows[0].map((_, n) => here(n));
-  const at = sizes.reduce((best, v, n) => (v > sizes[best] || !(sizes[best] === sizes[best]) ? n : best), 0);
-  const top = refined(number, rows, of, at);
+  const at = largestAt(sizes), top = refined(number, rows, of, at);
   if (one.kind === "least") return [-top, at];
   if (one.kind === "largest") return [one.channels.length > 1 ? top : top * Math.sign(rows[column[one.channels[0]]][at]), at];
-  const lowest = sizes.reduce((best, v, n) => (v < sizes[best] ? n : best), 0);
-  return [top + refined(number, rows, rows => n => -of(rows)(n), lowest), at];
+  return [top + refined(number, rows, rows => n => -of(rows)(n), largestAt(sizes.map(size => -size))), at];
 };

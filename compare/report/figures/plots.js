@@ -15,8 +15,8 @@ class Chart {
       const name = trace.xaxis.slice(1), x = layout[`xaxis${name}`], y = layout[`yaxis${name}`];
       const note = annotations.find(n => n.y === y.domain[1] && x.domain[0] < n.x && n.x < x.domain[1]); // its title
       const names = { x: x.matches ?? `x${name}`, y: y.matches ?? `y${name}` }; // of the axes, which panels share
-      const line = element("div", { className: "cursor" }), number = +name || 1;
-      if (!panels.has(name)) panels.set(name, { number, x, y, names, note, line, traces: [] });
+      const line = element("div", { className: "cursor" });
+      if (!panels.has(name)) panels.set(name, { x, y, names, note, line, traces: [] });
       panels.get(name).traces.push(this.read({ line: {}, marker: {}, mode: "lines", ...trace }, x, y));
     }
     this.panels = [...panels.values()];
@@ -204,9 +204,8 @@ class Chart {
     return u.posToVal(clientX - u.over.getBoundingClientRect().left, "x");
   }
 
-  set(name, number, y, x) { // of a curve of a panel; it is drawn with the next frame
-    const panel = this.panels.find(panel => panel.number === number);
-    this.replace(panel.traces.find(trace => trace.name === name && trace.mode !== "markers"), y, x);
+  set(name, y, x) { // of a curve of the first panel; it is drawn with the next frame
+    this.replace(this.panels[0].traces.find(trace => trace.name === name && trace.mode !== "markers"), y, x);
     this.soon ??= requestAnimationFrame(() => this.refresh());
   }
 

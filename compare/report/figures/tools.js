@@ -2,15 +2,20 @@
 
 const ICON = 18, ROW = 22, SHARP = 3; // px: of a legend; dots a px of a picture
 const NEAR = 16, MOST = 8; // px around a point; values read out
-const BUTTONS = { // each in a square of 16
-  "Drag to zoom": "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4", "Zoom in": "M3 8h10M8 3v10", "Zoom out": "M3 8h10",
-  "Reset axes": "M3 8a5 5 0 1 0 2-4M5 1v3h3", "Save as PNG": "M8 2v8M4.5 7 8 10.5 11.5 7M2 14h12",
+const cut = part => chart => chart.see(Object.fromEntries(chart.panels.flatMap(({ names }) => [names.x, names.y]).map(axis => {
+  const [lo, hi] = chart.range(axis);
+  return [axis, [lo + part * (hi - lo), hi - part * (hi - lo)]];
+})));
+const drag = (chart, button) => {
+  button.ariaPressed = chart.zooms = !chart.zooms;
+  for (const { u } of chart.panels) u.cursor.drag.x = u.cursor.drag.y = chart.zooms;
 };
-const element = (tag, properties = {}, ...children) => {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-};
+const BUTTONS = [ // each in a square of 16
+  ["Drag to zoom", "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4", drag],
+  ["Zoom in", "M3 8h10M8 3v10", cut(0.25)], ["Zoom out", "M3 8h10", cut(-0.5)],
+  ["Reset axes", "M3 8a5 5 0 1 0 2-4M5 1v3h3", chart => chart.see({})],
+  ["Save as PNG", "M8 2v8M4.5 7 8 10.5 11.5 7M2 14h12", chart => save(chart)],
+];
 
 const icon = (pen, trace, x, y) => {
   const { line, marker, mode, low, box } = trace, one = { ...marker, size: 8, symbol: [marker.symbol].flat()[0] };
@@ -46,25 +51,11 @@ const legend = chart => element("ul", { className: "key" }, ...chart.listed.map(
   return element("li", {}, button);
 }));
 
-const bar = chart => {
-  const axes = chart.panels.flatMap(({ names }) => [names.x, names.y]);
-  const cut = part => () => chart.see(Object.fromEntries(axes.map(axis => {
-    const [lo, hi] = chart.range(axis);
-    return [axis, [lo + part * (hi - lo), hi - part * (hi - lo)]];
-  })));
-  const does = {
-    "Drag to zoom": ({ currentTarget }) => {
-      currentTarget.ariaPressed = chart.zooms = !chart.zooms;
-      for (const { u } of chart.panels) u.cursor.drag.x = u.cursor.drag.y = chart.zooms;
-    },
-    "Zoom in": cut(0.25), "Zoom out": cut(-0.5), "Reset axes": () => chart.see({}), "Save as PNG": () => save(chart),
-  };
-  return Object.entries(BUTTONS).slice(chart.linked ? 0 : 1).map(([title, d]) => element("button", {
-    type: "button", title, ariaLabel: title, ariaPressed: title === "Drag to zoom" ? chart.zooms : null,
-    onclick: does[title],
-    innerHTML: `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${d}"/></svg>`,
-  }));
-};
+const bar = chart => BUTTONS.slice(chart.linked ? 0 : 1).map(([title, d, act]) => element("button", {
+  type: "button", title, ariaLabel: title, ariaPressed: act === drag ? chart.zooms : null,
+  onclick: ({ currentTarget }) => act(chart, currentTarget),
+  innerHTML: `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${d}"/></svg>`,
+}));
 
 const menu = chart => (chart.layout.updatemenus?.[0].buttons ?? []).map(({ label, args: [{ x, y }] }, k) => {
   const onclick = ({ currentTarget }) => { // its numbers into the traces

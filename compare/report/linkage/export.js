@@ -1,8 +1,8 @@
 // The picture as a file: as it stands, or its motion as a film that the browser records.
 const WIDE = 900, STILLS = 125, EACH = 40; // px; pictures of a film, ms each
 const saved = (blob, ending) => {
-  const link = document.createElement("a");
-  Object.assign(link, { href: URL.createObjectURL(blob), download: `linkage.${ending}` }).click();
+  const link = element("a", { href: URL.createObjectURL(blob), download: `linkage.${ending}` });
+  link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 };
 const asFile = () => {

@@ -27,7 +27,9 @@ const width = head.compared + panels.length;
 let isEdited = false; // the reference's numbers are those of another design, which no engine has solved
 const ofEngine = (engine, row, n) => (isEdited ? NaN : off[((engine - 1) * width + row) * count + n]);
 const difference = (channel, n, engine) => (engine ? ofEngine(engine, place[channel] / count, n) : 0);
-const value = (channel, n, engine = 0) => numbers[place[channel] + n] + difference(channel, n, engine);
+const value = (channel, n, engine = 0, times = 1) => numbers[place[channel] + n] + times * difference(channel, n, engine);
+const vector = ({ components }, ...of) => components.map(channel => value(channel, ...of));
+const angle = (body, n) => (`${body}.angle` in place ? value(`${body}.angle`, n) : 0); // none of what does not turn
 const error = (panel, n, engine) => ofEngine(engine, head.compared + panel, n);
 const over = n => value(axis.channel, n) * axis.factor;
 const rows = [...Array(count).keys()];
@@ -42,11 +44,17 @@ const position = n => written(over(n), overPlaces) + (axis.unit === "deg" ? "°"
 // --- the picture -----------------------------------------------------------------------------------------------------
 
 const degrees = 180 / Math.PI;
+const turned = ([x, y], by) => [x * Math.cos(by) - y * Math.sin(by), x * Math.sin(by) + y * Math.cos(by)];
+const isBefore = engine => engine === head.before?.number;
+const there = (point, n, engine = 0, times = 1) => { // m
+  if (point in head.ground) return (isBefore(engine) && head.before.ground[point]) || head.ground[point];
+  return vector({ components: [`${point}.x`, `${point}.y`] }, n, engine, times);
+};
 const inPicture = (x, y) => [(x - head.corner[0]) * head.perMetre, (head.corner[1] - y) * head.perMetre];
-const at = (point, n, engine = 0, times = 1) => {
-  const ground = engine && engine === head.before?.number ? { ...head.ground, ...head.before.ground } : head.ground;
-  if (point in head.ground) return inPicture(...ground[point]);
-  return inPicture(...["x", "y"].map(q => value(`${point}.${q}`, n) + times * difference(`${point}.${q}`, n, engine)));
+const at = (...of) => inPicture(...there(...of));
+const polyline = points => { // nothing where one of them is nowhere
+  const path = `M${points.map(point => point.map(z => z.toFixed(2)).join(" ")).join("L")}`;
+  return /NaN|Inf/.test(path) ? "" : path;
 };
 const made = (name, parent, kind) => {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -59,7 +67,7 @@ const pose = n => {
   for (const mover of movers) {
     const { point, turn, to } = mover.dataset, [x, y] = at(point, n);
     let transform = `translate(${x} ${y})`;
-    if (`${turn}.angle` in place) transform += ` rotate(${-degrees * value(`${turn}.angle`, n)})`;
+    if (turn) transform += ` rotate(${-degrees * angle(turn, n)})`;
     if (to) {
       const [a, b] = at(to, n);
       transform += ` rotate(${degrees * Math.atan2(b - y, a - x)}) scale(${Math.hypot(a - x, b - y)} 1)`;
@@ -68,7 +76,6 @@ const pose = n => {
   }
 };
 
-const vector = (arrow, n, engine) => arrow.components.map(channel => value(channel, n, engine));
 const newtons = size => `${tidy(size * head.newton[0])} ${head.newton[1]}`;
 const forces = [...svg.querySelectorAll(".force:has(.head)")]; // not moments, whose arrows are of one size
 const arrows = forces.map((group, k) => {
@@ -94,7 +101,7 @@ const taken = (n, px) => pins.flatMap(({ point, at: [dx, dy], wide }) => {
 const freePlace = ([x, y], [u, v], letters, others, px) => {
   const { width, height } = svg.viewBox.baseVal, wide = letters * LETTER * px, high = HIGH * px;
   const places = GAPS.flatMap(gap => TURNS.map(turn => {
-    const [c, s] = [Math.cos(turn), Math.sin(turn)], p = u * c - v * s, q = u * s + v * c;
+    const [p, q] = turned([u, v], turn);
     return { x: x + p * (gap * px + Math.abs(p) * wide / 2), y: y + q * (gap * px + Math.abs(q) * high / 2), wide, high };
   }));
   const inside = box => Math.abs(box.x - width / 2) <= (width - wide) / 2 && Math.abs(box.y - height / 2) <= (height - high) / 2;
@@ -129,14 +136,13 @@ const pull = (n, engine) => {
 const outlines = engines.slice(1).map((_, e) => {
   const path = made("path", svg.querySelector(".engines"), "engine");
   path.style.stroke = head.colours[e + 1];
-  if (e + 1 === head.before?.number) path.style.strokeDasharray = "6 4";
+  if (isBefore(e + 1)) path.style.strokeDasharray = "6 4";
   return path;
 });
 const magnified = (n, times) => outlines.forEach((path, e) => {
-  const own = e + 1 === head.before?.number ? 1 : times; // an earlier run is always there, as it was
-  const corner = point => at(point, n, e + 1, own).map(z => z.toFixed(2)).join(" ");
-  const drawn = own ? head.outlines.map(points => `M${points.map(corner).join("L")}`).join("") : "";
-  path.setAttribute("d", /NaN|Inf/.test(drawn) ? "" : drawn);
+  const own = isBefore(e + 1) ? 1 : times; // an earlier run is always there, as it was
+  const bodies = own ? Object.values(head.outlines) : [];
+  path.setAttribute("d", bodies.map(points => polyline(points.map(point => at(point, n, e + 1, own)))).join(""));
 });
 
 const ring = made("circle", made("g", svg, "marked"), "sign mark");
@@ -148,10 +154,11 @@ const mark = (n, point) => {
 
 const drives = (n, engine) => value(effort.channel, n, engine) * effort.factor;
 const drivesPlaces = effort && decimals(peak(rows.map(n => drives(n, 0))), 5);
+const joints = arrows.filter(arrow => !arrow.load);
+const jointForces = (n, engine) => joints.map(joint => Math.hypot(...vector(joint, n, engine)) || 0);
 const words = (n, engine) => {
-  const joints = arrows.filter(arrow => !arrow.load);
   if (!joints.length) return "";
-  const sizes = joints.map(arrow => Math.hypot(...vector(arrow, n, engine)) || 0), most = Math.max(...sizes);
+  const sizes = jointForces(n, engine), most = Math.max(...sizes);
   const drive = effort ? ` Drive: ${written(drives(n, engine), drivesPlaces)} ${effort.unit}.` : "";
   return `Largest joint force: ${newtons(most)}, ${joints[sizes.indexOf(most)].name}.${drive}`;
 };
@@ -181,11 +188,12 @@ await pause();
 
 // --- one cursor through all plots ------------------------------------------------------------------------------------
 
-const sum = ({ factors, magnitude }, n, engine) => {
+const sum = ({ factors, magnitude }, of) => { // of a curve's channels, or the length of the vector that they are
   let whole = 0;
-  for (const channel in factors) whole += magnitude ? (factors[channel] * value(channel, n, engine)) ** 2 : factors[channel] * value(channel, n, engine);
+  for (const channel in factors) whole += (factors[channel] * of(channel)) ** (magnitude ? 2 : 1);
   return magnitude ? Math.sqrt(whole) : whole;
 };
+const plotted = (curve, n, engine) => sum(curve, channel => value(channel, n, engine));
 
 class Plot {
   constructor(section, panel) {
@@ -197,23 +205,19 @@ class Plot {
     for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
   }
 
-  table({ section, panel }) {
-    const table = document.createElement("table"), { curves } = panels[panel], cells = [];
-    table.className = "readout";
+  table({ section, panel, curves }) {
+    const table = element("table", { className: "readout" }), cells = [];
     const row = texts => {
-      const added = table.insertRow();
-      return texts.map((text, k) => {
-        const cell = added.appendChild(document.createElement(k ? "td" : "th"));
-        cell.textContent = text;
-        return cell;
-      });
+      const own = texts.map((textContent, k) => element(k ? "td" : "th", { textContent }));
+      table.insertRow().append(...own);
+      return own;
     };
     row(["", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
-    const places = curves.map(curve => decimals(peak(rows.map(n => sum(curve, n, 0))), 6));
+    const places = curves.map(curve => decimals(peak(rows.map(n => plotted(curve, n))), 6));
     engines.forEach((engine, e) => {
       const own = row([engine, ...curves.map(() => ""), ""]);
       own[0].style.setProperty("--c", head.colours[e]);
-      curves.forEach((curve, k) => cells.push([own[k + 1], n => written(sum(curve, n, e), places[k])]));
+      curves.forEach((curve, k) => cells.push([own[k + 1], n => written(plotted(curve, n, e), places[k])]));
       if (e) cells.push([own.at(-1), n => (error(panel, n, e) >= 0 ? error(panel, n, e).toExponential(1) : "–")]);
     });
     section.querySelector("h3").after(table);
@@ -227,7 +231,7 @@ class Plot {
   edit() { // the curves of the design as it is now
     if (!this.drawn || !this.near || !this.curves.length) return;
     this.drawn.ghost(isEdited);
-    for (const curve of isEdited ? this.curves : []) this.drawn.set(curve.name, 1, rows.map(n => sum(curve, n, 0)), rows.map(over));
+    for (const curve of isEdited ? this.curves : []) this.drawn.set(curve.name, rows.map(n => plotted(curve, n)), rows.map(over));
   }
 
   show(n) {
@@ -285,9 +289,7 @@ const play = once => {
     share += Math.min(Math.max(moment - last, 0), FRAME) / LONG;
     last = moment;
     if (once && share >= 1) return stop(), show(0);
-    let n = 0;
-    while (n < count - 1 && value("time", n + 1) <= start + (share % 1) * span) n++;
-    show(n);
+    show(rows.findLast(n => value("time", n) <= start + (share % 1) * span));
     requestAnimationFrame(step);
   };
   playing = step;
@@ -319,5 +321,5 @@ new ResizeObserver(() => {
 }).observe(svg);
 new ResizeObserver(() => plots.forEach(plot => plot.show(now))).observe(document.body);
 for (const part of root.querySelectorAll(".player")) part.hidden = false;
-const most = rows.map(n => Math.max(0, ...arrows.map(arrow => (arrow.load ? 0 : Math.hypot(...vector(arrow, n, 0)) || 0))));
+const most = rows.map(n => Math.max(0, ...jointForces(n)));
 show(most.indexOf(Math.max(...most))); // at rest, where the largest joint force is

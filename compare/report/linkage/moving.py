@@ -132,7 +132,7 @@ class MovingPicture:
             "ground": dict(scene.ground),
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
             "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
-            "outlines": [*outlines(drawing).values()],
+            "outlines": outlines(drawing),
             "vectors": self.vectors,
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
@@ -146,7 +146,7 @@ class MovingPicture:
             channels = [f"{stem}{q}" for q in "xy"]
             factor, unit = named[UNITS[quantity(channels[0])]]
             if {*channels} <= {*self._channels}:
-                vector = {"name": name, "at": pin, "bodies": bodies, "channels": channels}
+                vector = {"name": name, "at": pin, "bodies": bodies, "components": channels}
                 vectors.append(vector | {"factor": factor, "unit": unit})
         return vectors
 

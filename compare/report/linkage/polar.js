@@ -13,30 +13,25 @@ if (diagram) {
     return path;
   });
   const tip = made("path", sheet, "tip"), chosenOne = () => head.vectors[chosen.value];
-  const turned = (n, of) => {
-    const [x, y] = chosenOne().channels.map(of), turn = frame.value ? value(`${frame.value}.angle`, n) : 0;
-    return [Math.cos(turn) * x + Math.sin(turn) * y, Math.cos(turn) * y - Math.sin(turn) * x];
-  };
-  const size = (n, of) => Math.hypot(...chosenOne().channels.map(of));
-  const length = n => size(n, channel => value(channel, n));
+  const length = n => Math.hypot(...vector(chosenOne(), n));
   let scale = 0, whole = "";
-  const point = ([x, y]) => `${(scale * x).toFixed(2)} ${(-scale * y).toFixed(2)}`;
+  const end = (n, engine, times) => {
+    const [x, y] = turned(vector(chosenOne(), n, engine, times), -angle(frame.value, n));
+    return [scale * x, -scale * y];
+  };
   const follow = () => {
-    const end = point(turned(now, channel => value(channel, now)));
-    tip.setAttribute("d", /NaN/.test(end) ? "" : `M0 0L${end}`); // an edited linkage may have no pose here
+    tip.setAttribute("d", polyline([[0, 0], end(now)])); // an edited linkage may have no pose here
     caption.textContent = `${whole} At ${position(now)}: ${tidy(chosenOne().factor * length(now), 4)} ${chosenOne().unit}.`;
     sheet.setAttribute("aria-label", caption.textContent);
   };
   const redraw = () => {
-    const { factor, unit, name, bodies } = chosenOne(), sizes = rows.map(length), most = peak(sizes);
-    const offs = engines.slice(1).flatMap((_, e) => rows.map(n => size(n, channel => difference(channel, n, e + 1))));
+    const { components, factor, unit, name, bodies } = chosenOne(), sizes = rows.map(length), most = peak(sizes);
+    const off = (n, engine) => Math.hypot(...components.map(channel => difference(channel, n, engine)));
+    const offs = engines.slice(1).flatMap((_, e) => rows.map(n => off(n, e + 1)));
     const times = 10 ** Math.max(0, Math.floor(Math.log10((LARGEST * most) / peak(offs))));
     scale = most ? RADIUS / most : 0;
-    curves.forEach((path, e) => {
-      const of = n => channel => value(channel, n) + (e && Number.isFinite(times) ? times : 1) * difference(channel, n, e);
-      const drawn = rows.map(n => point(turned(n, of(n)))).join("L");
-      path.setAttribute("d", /NaN/.test(drawn) ? "" : `M${drawn}`);
-    });
+    const shown = Number.isFinite(times) ? times : 1;
+    curves.forEach((path, e) => path.setAttribute("d", polyline(rows.map(n => end(n, e, shown)))));
     const acts = bodies.length ? `Force of ${bodies[0]} on ${bodies[1]}` : name.replace(/^./, letter => letter.toUpperCase());
     const apart = peak(offs) > 0 ? ` Differences between the engines are ${times.toLocaleString("en")} times as large.` : "";
     whole = `${acts}. The outer circle is its peak, ${tidy(factor * most, 4)} ${unit} at ${position(sizes.indexOf(most))}.${apart}`;
@@ -63,8 +58,7 @@ if (diagram) {
     const k = head.vectors.findIndex(({ at }) => at === pin);
     if (k < 0 || !pin) return;
     chosen.value = k;
-    frames();
-    redraw();
+    chosen.onchange();
     diagram.scrollIntoView({ block: "nearest" });
   });
   frames();

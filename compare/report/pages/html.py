@@ -52,8 +52,13 @@ def _templates(package: str) -> Environment:
     )
     templates.filters |= {"table": shortened, "first": first, "percent": percent, "number": number, "cell": cell}
     templates.filters["packed"] = lambda parts: packed(dumps(parts).encode())
-    templates.globals |= {"environment": environment, "library": _library, "marks": MARKS}
+    templates.globals |= {"versions_of": _versions, "library": _library, "marks": MARKS}
     return templates
+
+
+def _versions(engines: Mapping[str, str]) -> list[dict[str, str]]:
+    named = [*engines.items(), *environment().items()]
+    return [{"environment": name, "version": version} for name, version in named]
 
 
 @cache

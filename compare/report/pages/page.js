@@ -10,6 +10,12 @@ const inflated = id => {
 const pause = () => new Promise(done => setTimeout(done)); // between two tasks, so that none is long
 const unpacked = id => inflated(id).text();
 
+const element = (tag, properties = {}, ...children) => {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+};
+
 const closed = [];
 addEventListener("beforeprint", () => {
   for (const part of document.querySelectorAll("details:not([open])")) closed.push(part) && (part.open = true);
