@@ -135,9 +135,9 @@ class System:
 
     def rows_of(self, bodies: Mapping[str, MovingBody], level: int) -> Samples:
         """Return the rows' values, shape (m,), or their first or second derivatives, of bodies as they move."""
-        rows, of = list[float | Samples](), (MovingBody.place, MovingBody.moves, MovingBody.accelerates)[level]
+        rows = list[float | Samples]()
         for pin in self.pins:
-            first, second = (of(bodies[body], self.arms[body, pin.point]) for body in (pin.first, pin.second))
+            first, second = (bodies[body].at(self.arms[body, pin.point])[level] for body in (pin.first, pin.second))
             rows += [(second - first).real, (second - first).imag]
         for name in self.sliders:
             turn, on = (bodies[body].turning[level] for body in (name, self.guides[name].carrier))
