@@ -26,10 +26,13 @@ Start: TypeAlias = tuple[PathFollower, ClosedPose, Samples]
 
 
 @lru_cache(SCENES)
-def prepared(kind: Callable[[Scene], System], scene: Scene) -> tuple[Any, Start]:
-    """A scene's constraints, of that kind, and its start."""
+def prepared(kind: Callable[[Scene], System], scene: Scene, whole_way: bool) -> tuple[Any, Start]:
+    """A scene's constraints, of that kind, and its start; where asked, the whole way of the drive is followed too."""
     system = kind(scene)
-    return system, begun(system)
+    poses, pose, ends = begun(system)
+    for end in scene.drive.extent if whole_way else ():
+        _ = [*poses.through(pose, scene.drive.start, [end])]
+    return system, (poses, pose, ends)
 
 
 def begun(system: System) -> Start:

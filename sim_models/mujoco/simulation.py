@@ -1,7 +1,6 @@
 """One run: steps in time from a little before the first sample, and the channels from what they leave."""
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -14,7 +13,6 @@ from scenes.scene import GROUND
 from ..coordinates.bodies import End, MovingBody
 from ..coordinates.loads import Wrench, applied
 from ..coordinates.simulation import CoordinateSimulation
-from ..coordinates.start import SCENES, Start, begun
 from ..coordinates.system import System
 from .model import MujocoUnits, model
 from .settings import MujocoSettings
@@ -25,23 +23,20 @@ SHORTEST_SPRING = 1e-4  # over the size: a shorter one's direction is that of th
 SECONDS = 120.0  # of processor time, for each cycle
 
 
-@lru_cache(SCENES)
-def _begun(scene: Scene) -> tuple[System, Start]:
-    """Return the constraints of a scene and its start, with the whole way of the drive followed once."""
-    system = System(scene, slides=True)
-    follower, pose, ends = begun(system)
-    for end in scene.drive.extent:
-        _ = [*follower.through(pose, scene.drive.start, [end])]
-    return system, (follower, pose, ends)
+def _sliding(scene: Scene) -> System:
+    """Return the constraints of a scene whose slides are none, but coordinates."""
+    return System(scene, slides=True)
 
 
 class MujocoSimulation(CoordinateSimulation[System]):
     """One prepared run, see `scenes.model.engine.Simulation`."""
 
+    whole_way = True
+
     def __init__(self, scene: Scene, settings: MujocoSettings, request: Request) -> None:
         """Model and assemble, see `engine.build`."""
         mujoco.set_mju_user_warning(lambda _: None)  # else it writes a file where the numbers get too large
-        super().__init__(_begun, scene, settings.steps, request)
+        super().__init__(_sliding, scene, settings.steps, request)
         self._follower.begin(1)
         self._h = scene.drive.cycle / (self._each * self._samples)  # s
         self._units = MujocoUnits(self._system)
