@@ -23,11 +23,13 @@ class CoordinateSimulation(ABC, Generic[S]):
 
     def __init__(self, kind: Callable[[Scene], S], scene: Scene, steps: int | None, request: Request) -> None:
         """Begin with the start of a kind of system, for a run of at least so many steps a cycle, or of none."""
+        system: S
+        system, start = prepared(kind, scene, self.whole_way)
         self._samples = 1 if steps is None else equal_steps(request).samples  # a cycle
         self._turns = request.turns if isinstance(request, Sampling) else 1
         self._each = -(-(steps or 0) // self._samples)  # steps from a sample to the next
         self._steps = self._each * self._samples * self._turns
-        self._scene, (self._system, start) = scene, prepared(kind, scene, self.whole_way)
+        self._scene, self._system = scene, system
         self._follower, self._start, self._ends = start
         self._times, self._positions = request.times(scene), request.commanded(scene)
         self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]
