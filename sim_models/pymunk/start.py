@@ -17,7 +17,7 @@ from scenes.model.constraints import joint_rows, misfit
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import ComplexArray, LinkageConstraints, PoseArray, determinant_sign
+from .constraints import ComplexArray, LinkageConstraints, PoseArray
 from .masses import Masses, fictitious_masses
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
@@ -162,7 +162,7 @@ def _follow(
     linkage: LinkageConstraints, q: PoseArray, path: Callable[[float], tuple[float, Gaps]], largest: float
 ) -> Iterator[DrivePlace]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
-    here = determinant_sign(linkage.jacobian(q))
+    here = linkage.branch(q)
     budget = ProcessorBudget(SECONDS, f"the way to {linkage.scene.where(path(1.0)[0])}")
     s, step = 0.0, largest
     while s < 1:
@@ -170,7 +170,7 @@ def _follow(
         position, gaps = path(ahead)
         budget.check(f"{s:.2%} of it is done, in steps of {step:.1e} of it")
         pose = _newton(linkage, q, np.array([position]), gaps)
-        if pose is not None and determinant_sign(linkage.jacobian(pose)) == here:
+        if pose is not None and linkage.branch(pose) == here:
             q, s, step = pose, ahead, min(largest, 2 * step)
             yield position, q
         elif step > SMALLEST_STEP:
