@@ -77,15 +77,9 @@ def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
     angles = _angles(linkage, shown, position)
     for pose, (name, (arms, places)) in zip(q[0], shown.items(), strict=True):
         pose[2] = angles[linkage.scene.aligned[name]]
-        if len(arms):
+        if len(arms):  # else it is only on guides, which are met from anywhere
             z = (places - arms * np.exp(1j * pose[2])).mean()
             pose[:2] = z.real, z.imag
-
-    # A body with no point in the sketch is only on guides, whose constraints are linear in its position.
-    unknown = [3 * i + axis for i, (arms, _) in enumerate(shown.values()) if not len(arms) for axis in (0, 1)]
-    if unknown:
-        columns = linkage.jacobian(q)[0][:, unknown]
-        q.reshape(-1)[unknown] -= np.linalg.lstsq(columns, linkage.gaps(q, np.array([position]))[0])[0]
     return q
 
 
