@@ -1,6 +1,7 @@
 """One run: steps in time from a little before the first sample, and the channels from what they leave."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -21,11 +22,7 @@ PRE_ROLL = 6  # steps before the first sample, after which the gaps are those th
 LARGEST_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
 SHORTEST_SPRING = 1e-4  # over the size: a shorter one's direction is that of the gaps in the joints
 SECONDS = 120.0  # of processor time, for each cycle
-
-
-def _sliding(scene: Scene) -> System:
-    """Return the constraints of a scene whose slides are none, but coordinates."""
-    return System(scene, slides=True)
+_sliding = partial(System, slides=True)  # one, by which the starts of scenes are kept
 
 
 class MujocoSimulation(CoordinateSimulation[System]):
