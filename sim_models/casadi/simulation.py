@@ -7,13 +7,12 @@ from casadi import MX, SX, Function
 from scenes import Failure, Motion, Request, Scene, Status
 from scenes.model.motion import quantity
 
+from ..coordinates.loads import SHORTEST_SPRING
 from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.system import ClosedPose
 from .linkage import channels
 from .system import SOLVER, CasadiSystem, Compiled
-
-SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
 
 
 class CasadiSimulation(CoordinateSimulation[CasadiSystem]):

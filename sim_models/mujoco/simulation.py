@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from scenes import Failure, ProcessorBudget, Request, Scene, Status
+from scenes import Failure, Request, Scene, Status
 from scenes.model.motion import Samples, force_channels
 from scenes.scene import GROUND
 
@@ -21,7 +21,6 @@ from .settings import MujocoSettings
 PRE_ROLL = 6  # steps before the first sample, after which the gaps are those that a step opens
 LARGEST_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
 SHORTEST_SPRING = 1e-4  # over the size: a shorter one's direction is that of the gaps in the joints
-SECONDS = 120.0  # of processor time, for each cycle
 _sliding = partial(System, slides=True)  # one, by which the starts of scenes are kept
 
 
@@ -53,7 +52,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
         system, order, count = self._system, self._order, len(self._times)
         q, v, a = (np.empty((count, len(order))) for _ in range(3))
         held = np.empty((count, len(system.row_units)))
-        budget = ProcessorBudget(SECONDS * self._turns, "the steps")
+        self._follower.begin(self._turns)
         largest, data = 0.0, self._data
         mujoco.mj_resetData(self._model, data)
         data.qpos[order], data.qvel[order] = self._first
@@ -74,7 +73,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
             previous = rate
             row, rest = divmod(step, self._each)
             if rest == 0 and step >= 0:
-                budget.check(f"{row} of {count} samples are done")
+                self._follower.budget.check(f"{row} of {count} samples are done")
                 q[row] = pose[order]
                 v[row], a[row] = ((data.qvel + rate) / 2)[order], (data.qvel - rate)[order]
                 held[row] = data.efc_force[self._in_plane]
