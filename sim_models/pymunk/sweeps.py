@@ -67,6 +67,7 @@ def contraction(linkage: LinkageConstraints, q: PoseArray) -> float:
     """Return rho, the part of an error that a sweep leaves in the long run, in a pose, shape (1, bodies, 3)."""
     inertias = [linkage.moved[name] for name in linkage.members]
     ease = np.array([(1 / own.mass, 1 / own.mass, 1 / own.moment) for own in inertias]).ravel()
+    # The space has no joints between bodies that are prescribed.
     joints = [rows for rows in _joints(linkage, linkage.jacobian(q)[0]) if (rows * ease).any()]
     if not joints:
         return 0.0
@@ -78,7 +79,7 @@ def contraction(linkage: LinkageConstraints, q: PoseArray) -> float:
 
 
 def _joints(linkage: LinkageConstraints, J: Samples) -> list[Samples]:
-    """The rows of the Jacobian J that are solved at once, in the order of the space; none moves prescribed bodies.
+    """The rows of the Jacobian J that a sweep solves at once, in the order of the space.
 
     Chipmunk solves a pivot as a 2 x 2 block. It does so with a groove too, and then keeps the normal's part; so a
     groove whose normal is an axis of that block, as here, is a block of one. It is met where it does not turn its
