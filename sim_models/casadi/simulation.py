@@ -1,7 +1,5 @@
 """One run: poses at the samples, and the channels there by one compiled function."""
 
-from functools import partial
-
 import casadi
 import numpy as np
 from casadi import MX, SX, Function
@@ -9,14 +7,12 @@ from casadi import MX, SX, Function
 from scenes import Failure, Motion, Request, Scene, Status
 from scenes.model.motion import quantity
 
+from ..coordinates.loads import SHORTEST_SPRING
 from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
-from ..coordinates.start import prepared
 from ..coordinates.system import ClosedPose
 from .linkage import channels
 from .system import SOLVER, CasadiSystem, Compiled
-
-SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
 
 
 class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
@@ -24,7 +20,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
 
     def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
         """Differentiate and assemble, see `engine.build`."""
-        super().__init__(partial(prepared, CasadiSystem), scene, settings.steps, request)
+        super().__init__(CasadiSystem, scene, settings.steps, request)
         self._settings, self._driven = settings, scene.drive.at(self._times)
         self._sampled = self._compiled()
         self._poses: list[ClosedPose] = []

@@ -34,17 +34,11 @@ class MovingBody(NamedTuple):
         """Return where the body has a place of its frame, m."""
         return self.origin + self.turn * arm
 
-    def moves(self, arm: complex) -> Any:
-        """Return the velocity of that, m/s."""
-        return self.velocity + 1j * self.omega * (self.turn * arm)
-
-    def accelerates(self, arm: complex) -> Any:
-        """Return the acceleration of that, m/s^2."""
-        return self.acceleration + (1j * self.alpha - self.omega**2) * (self.turn * arm)
-
     def at(self, arm: Any) -> tuple[Any, Any, Any]:
-        """Return place, velocity and acceleration."""
-        return self.place(arm), self.moves(arm), self.accelerates(arm)
+        """Return that and its derivatives, m/s and m/s^2."""
+        r = self.turn * arm
+        acceleration = self.acceleration + (1j * self.alpha - self.omega**2) * r
+        return self.origin + r, self.velocity + 1j * self.omega * r, acceleration
 
     @property
     def turning(self) -> tuple[Any, Any, Any]:

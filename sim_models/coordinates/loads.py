@@ -12,6 +12,8 @@ from scenes.scene import Force, ForceTable, Load, Spring
 
 from .bodies import End
 
+SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
+
 
 class Wrench(NamedTuple):
     """A force on a body, N, at a place, m, and a moment, N m, at one time or at many."""
@@ -31,7 +33,7 @@ def applied(
     ends: Samples,
     slid: Callable[[str], tuple[Any, Any]],
     place: Callable[[End], Any],
-    shortest: float = 0.0,
+    shortest: float,
 ) -> Iterator[Wrench]:
     """Yield what loads and springs do, at one time or at many.
 

@@ -10,7 +10,7 @@ from scenes import Motion, Request, Sampling, Scene
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 
-from .start import Start
+from .start import prepared
 from .system import ClosedPose, System
 
 S = TypeVar("S", bound=System)
@@ -19,15 +19,17 @@ S = TypeVar("S", bound=System)
 class CoordinateSimulation(ABC, Generic[S]):
     """One prepared run, see `scenes.model.engine.Simulation`."""
 
-    def __init__(
-        self, begun: Callable[[Scene], tuple[S, Start]], scene: Scene, steps: int | None, request: Request
-    ) -> None:
-        """Begin with a scene's start, for a run of at least so many steps a cycle, or of none."""
+    whole_way = False  # whether the drive's is followed beforehand, since steps do not find out where the linkage locks
+
+    def __init__(self, kind: Callable[[Scene], S], scene: Scene, steps: int | None, request: Request) -> None:
+        """Begin with the start of a kind of system, for a run of at least so many steps a cycle, or of none."""
+        system: S
+        system, start = prepared(kind, scene, self.whole_way)
         self._samples = 1 if steps is None else equal_steps(request).samples  # a cycle
         self._turns = request.turns if isinstance(request, Sampling) else 1
         self._each = -(-(steps or 0) // self._samples)  # steps from a sample to the next
         self._steps = self._each * self._samples * self._turns
-        self._scene, (self._system, start) = scene, begun(scene)
+        self._scene, self._system = scene, system
         self._follower, self._start, self._ends = start
         self._times, self._positions = request.times(scene), request.commanded(scene)
         self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]

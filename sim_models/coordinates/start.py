@@ -26,13 +26,13 @@ Start: TypeAlias = tuple[PathFollower, ClosedPose, Samples]
 
 
 @lru_cache(SCENES)
-def prepared(kind: Callable[[Scene], System], scene: Scene) -> tuple[Any, Start]:
-    """A scene's constraints, of that kind, and its start."""
+def prepared(kind: Callable[[Scene], System], scene: Scene, whole_way: bool) -> tuple[Any, Start]:
+    """A scene's constraints, of that kind, and its start; where asked, the whole way of the drive is followed too."""
     system = kind(scene)
-    return system, begun(system)
+    return system, begun(system, whole_way)
 
 
-def begun(system: System) -> Start:
+def begun(system: System, whole_way: bool) -> Start:
     """Return the start of a linkage; Failure where constraints repeat others, or no pose is on the sketch's branch."""
     poses, drawn = PathFollower(system), system.scene.sketched_drive
     x, rows = system.placed(on_sketch(system, drawn)), len(system.row_units)
@@ -47,7 +47,10 @@ def begun(system: System) -> Start:
         raise _apart(poses, stuck.args[0], drawn) from None
     if poses.repeated(pose, drawn):
         raise _apart(poses, pose, drawn)
-    pose = next(poses.through(pose, drawn, [system.scene.drive.start]))
+    drive = system.scene.drive
+    pose = next(poses.through(pose, drawn, [drive.start]))
+    for end in drive.extent if whole_way else ():
+        _ = [*poses.through(pose, drive.start, [end])]
     return poses, pose, stroke_ends(poses, pose)
 
 

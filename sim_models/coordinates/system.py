@@ -16,7 +16,7 @@ from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND
 
 from .bodies import End, MovingBody, framed_body, linkage_size
-from .loads import Wrench, applied
+from .loads import SHORTEST_SPRING, Wrench, applied
 
 CONTRACTION = 0.25  # largest ratio of a correction to the one before
 FITTING = 0.1  # of a step: the largest first correction
@@ -135,9 +135,9 @@ class System:
 
     def rows_of(self, bodies: Mapping[str, MovingBody], level: int) -> Samples:
         """Return the rows' values, shape (m,), or their first or second derivatives, of bodies as they move."""
-        rows, of = list[float | Samples](), (MovingBody.place, MovingBody.moves, MovingBody.accelerates)[level]
+        rows = list[float | Samples]()
         for pin in self.pins:
-            first, second = (of(bodies[body], self.arms[body, pin.point]) for body in (pin.first, pin.second))
+            first, second = (bodies[body].at(self.arms[body, pin.point])[level] for body in (pin.first, pin.second))
             rows += [(second - first).real, (second - first).imag]
         for name in self.sliders:
             turn, on = (bodies[body].turning[level] for body in (name, self.guides[name].carrier))
@@ -193,7 +193,7 @@ class System:
             values += bodies[name].turning
         return dict(zip(kinematic_channels(self.scene)[1:], values, strict=True))
 
-    def applied(self, bodies: Mapping[str, MovingBody], ends: Samples, shortest: float = 0.0) -> Iterator[Wrench]:
+    def applied(self, bodies: Mapping[str, MovingBody], ends: Samples) -> Iterator[Wrench]:
         """Yield what loads and springs do, see `loads`."""
 
         def place(end: End) -> Any:
@@ -203,4 +203,4 @@ class System:
             displacement, velocity, _ = self.slid(bodies, slider)
             return displacement.real, velocity.real
 
-        return applied(self.scene, ends, slid, place, shortest)
+        return applied(self.scene, ends, slid, place, SHORTEST_SPRING * self.size)

@@ -1,20 +1,19 @@
 """One run: steps in time from a little before the first sample, and the channels from what they leave."""
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import partial
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from scenes import Failure, ProcessorBudget, Request, Scene, Status
+from scenes import Failure, Request, Scene, Status
 from scenes.model.motion import Samples, force_channels
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import End, MovingBody
 from ..coordinates.loads import Wrench, applied
 from ..coordinates.simulation import CoordinateSimulation
-from ..coordinates.start import SCENES, Start, begun
 from ..coordinates.system import System
 from .model import MujocoUnits, model
 from .settings import MujocoSettings
@@ -22,26 +21,18 @@ from .settings import MujocoSettings
 PRE_ROLL = 6  # steps before the first sample, after which the gaps are those that a step opens
 LARGEST_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
 SHORTEST_SPRING = 1e-4  # over the size: a shorter one's direction is that of the gaps in the joints
-SECONDS = 120.0  # of processor time, for each cycle
-
-
-@lru_cache(SCENES)
-def _begun(scene: Scene) -> tuple[System, Start]:
-    """Return the constraints of a scene and its start, with the whole way of the drive followed once."""
-    system = System(scene, slides=True)
-    follower, pose, ends = begun(system)
-    for end in scene.drive.extent:
-        _ = [*follower.through(pose, scene.drive.start, [end])]
-    return system, (follower, pose, ends)
+_sliding = partial(System, slides=True)  # one, by which the starts of scenes are kept
 
 
 class MujocoSimulation(CoordinateSimulation[System]):
     """One prepared run, see `scenes.model.engine.Simulation`."""
 
+    whole_way = True
+
     def __init__(self, scene: Scene, settings: MujocoSettings, request: Request) -> None:
         """Model and assemble, see `engine.build`."""
         mujoco.set_mju_user_warning(lambda _: None)  # else it writes a file where the numbers get too large
-        super().__init__(_begun, scene, settings.steps, request)
+        super().__init__(_sliding, scene, settings.steps, request)
         self._follower.begin(1)
         self._h = scene.drive.cycle / (self._each * self._samples)  # s
         self._units = MujocoUnits(self._system)
@@ -61,7 +52,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
         system, order, count = self._system, self._order, len(self._times)
         q, v, a = (np.empty((count, len(order))) for _ in range(3))
         held = np.empty((count, len(system.row_units)))
-        budget = ProcessorBudget(SECONDS * self._turns, "the steps")
+        self._follower.begin(self._turns)
         largest, data = 0.0, self._data
         mujoco.mj_resetData(self._model, data)
         data.qpos[order], data.qvel[order] = self._first
@@ -82,7 +73,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
             previous = rate
             row, rest = divmod(step, self._each)
             if rest == 0 and step >= 0:
-                budget.check(f"{row} of {count} samples are done")
+                self._follower.budget.check(f"{row} of {count} samples are done")
                 q[row] = pose[order]
                 v[row], a[row] = ((data.qvel + rate) / 2)[order], (data.qvel - rate)[order]
                 held[row] = data.efc_force[self._in_plane]

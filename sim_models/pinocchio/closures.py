@@ -12,8 +12,6 @@ from ..coordinates.loads import Wrench
 from ..coordinates.system import System
 from .tree import Tree
 
-SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
-
 
 class Closures(System):
     """The constraints of one tree, as many as coordinates, or there is no one motion: loops' joints and the drive."""
@@ -57,7 +55,7 @@ class Closures(System):
         `motion` has the coordinates and their two derivatives, each of shape (n,); J is the Jacobian there.
         """
         motion = [self.units * of for of in motion]
-        loads = [*self.applied(bodies, ends, SHORTEST_SPRING * self.size)]
+        loads = [*self.applied(bodies, ends)]
         needed = self.units * self.tree.inverse_dynamics(bodies, motion, loads)
         multipliers = np.linalg.solve(J.T, needed) / self.row_units
         self.tree.inverse_dynamics(bodies, motion, [*loads, *self._held(bodies, multipliers)])

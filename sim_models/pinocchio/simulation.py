@@ -1,7 +1,6 @@
 """One run: poses at the samples by one of two routes, and the channels in each of them."""
 
 from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 
@@ -10,7 +9,6 @@ from scenes.model.motion import Samples
 
 from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
-from ..coordinates.start import prepared
 from ..coordinates.system import ClosedPose
 from .closures import Closures
 
@@ -23,7 +21,7 @@ class PinocchioSimulation(CoordinateSimulation[Closures]):
 
     def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
         """Span the tree and assemble, see `engine.build`."""
-        super().__init__(partial(prepared, Closures), scene, settings.steps, request)
+        super().__init__(Closures, scene, settings.steps, request)
         self._settings = settings
         self._poses: list[ClosedPose] = []
 

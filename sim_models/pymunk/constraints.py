@@ -18,7 +18,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .bodies import rigid
-from .masses import Masses, constraint_groups
+from .masses import Masses
 
 PoseArray: TypeAlias = NDArray[np.float64]  # (n, bodies, 3), also of rates, accelerations, and the forces dual to them
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -50,7 +50,6 @@ class LinkageConstraints:
         self._slider_arms = np.array([self.first_arm(name) for name in slides], np.complex128)
         self._through = np.array([self.through(name) for name in slides], np.complex128)
         self._along = np.array([complex(*slide.along) for slide in slides.values()], np.complex128)
-        self._groups = constraint_groups(scene)
         arms = [arm for body in self.members.values() for arm in body.points.values()]
         self.size = max(map(abs, [*arms, *self._through, *(complex(*point) for point in scene.ground.values())]))
         if scene.driven_slide is not None:  # a point on its guide so far back that the body's first never gets there
@@ -157,11 +156,8 @@ class LinkageConstraints:
         return gradients
 
     def branch(self, q: PoseArray) -> Samples:
-        """The sign of det J, shape (n,), times one that is the same for all poses: constant along a branch."""
-        J, signs = self.jacobian(q), np.ones(len(q))
-        for rows, columns, _ in self._groups:
-            signs = signs * determinant_sign(J[:, np.array(rows)[:, None], np.array(columns)])
-        return signs
+        """The sign of det J, shape (n,): constant along a branch."""
+        return determinant_sign(self.jacobian(q))
 
 
 def solved(J: Samples, wanted: Samples) -> PoseArray:

@@ -21,7 +21,7 @@ from math import fsum, inf, isfinite, isinf
 from typing import TypeAlias
 
 from scenes import Failure, Request, Scene, Status
-from scenes.model.constraints import DiagonalBlock, groups
+from scenes.model.constraints import groups
 from scenes.scene import GROUND, Pin
 
 from .bodies import PymunkBody
@@ -115,19 +115,18 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
     return chosen
 
 
-def constraint_groups(scene: Scene) -> list[DiagonalBlock]:
-    """The constraints that are solved together: each joint takes two freedoms of its bodies, each body has three."""
+def assur_groups(scene: Scene) -> Iterator[list[str]]:
+    """Yield the bodies that are determined together, in the order of the file, each group by those before it.
+
+    Each joint takes two freedoms of its bodies, the drive one; each body has three.
+    """
     columns = {name: range(3 * i, 3 * i + 3) for i, name in enumerate(scene.bodies)} | {GROUND: range(0)}
     joints = [(pin.first, pin.second) for pin in scene.pins]
     joints += [(name, slide.on) for name, slide in scene.slides.items()]
     pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
-    return groups([*pattern, [*columns[scene.drive_on], *columns[scene.drive.body]]])
-
-
-def assur_groups(scene: Scene) -> Iterator[list[str]]:
-    """Yield the bodies that are determined together, in the order of the file, each group by those before it."""
+    pattern.append([*columns[scene.drive_on], *columns[scene.drive.body]])
     bodies, prescribed = [*scene.bodies], scene.drive.body if scene.drive_on == GROUND else None
-    for block in constraint_groups(scene):
+    for block in groups(pattern):
         together = {column // 3 for column in block.columns}
         if named := [bodies[i] for i in sorted(together) if bodies[i] != prescribed]:
             yield named

@@ -17,7 +17,7 @@ from scenes.model.constraints import joint_rows, misfit
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import ComplexArray, LinkageConstraints, PoseArray, determinant_sign
+from .constraints import ComplexArray, LinkageConstraints, PoseArray
 from .masses import Masses, fictitious_masses
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
@@ -77,15 +77,9 @@ def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
     angles = _angles(linkage, shown, position)
     for pose, (name, (arms, places)) in zip(q[0], shown.items(), strict=True):
         pose[2] = angles[linkage.scene.aligned[name]]
-        if len(arms):
+        if len(arms):  # else it is only on guides, which are met from anywhere
             z = (places - arms * np.exp(1j * pose[2])).mean()
             pose[:2] = z.real, z.imag
-
-    # A body with no point in the sketch is only on guides, whose constraints are linear in its position.
-    unknown = [3 * i + axis for i, (arms, _) in enumerate(shown.values()) if not len(arms) for axis in (0, 1)]
-    if unknown:
-        columns = linkage.jacobian(q)[0][:, unknown]
-        q.reshape(-1)[unknown] -= np.linalg.lstsq(columns, linkage.gaps(q, np.array([position]))[0])[0]
     return q
 
 
@@ -162,7 +156,7 @@ def _follow(
     linkage: LinkageConstraints, q: PoseArray, path: Callable[[float], tuple[float, Gaps]], largest: float
 ) -> Iterator[DrivePlace]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
-    here = determinant_sign(linkage.jacobian(q))
+    here = linkage.branch(q)
     budget = ProcessorBudget(SECONDS, f"the way to {linkage.scene.where(path(1.0)[0])}")
     s, step = 0.0, largest
     while s < 1:
@@ -170,7 +164,7 @@ def _follow(
         position, gaps = path(ahead)
         budget.check(f"{s:.2%} of it is done, in steps of {step:.1e} of it")
         pose = _newton(linkage, q, np.array([position]), gaps)
-        if pose is not None and determinant_sign(linkage.jacobian(pose)) == here:
+        if pose is not None and linkage.branch(pose) == here:
             q, s, step = pose, ahead, min(largest, 2 * step)
             yield position, q
         elif step > SMALLEST_STEP:

@@ -1,4 +1,4 @@
-"""The number of Gauss-Seidel sweeps that a step needs, by theory, from the joints and the masses of the space.
+"""The number of Gauss-Seidel sweeps that a step needs, by theory, from the constraints and the masses of the bodies.
 
 A sweep takes the joints in the order in which they were added, and gives each the impulse that would bring its own
 error to zero. The errors J v of all joints change with their impulses by A = J M^-1 J^T, so a sweep multiplies what the
@@ -13,17 +13,13 @@ from functools import lru_cache
 from math import ceil, inf, log, log1p
 
 import numpy as np
-import pymunk
-from numpy.typing import NDArray
 
 from scenes import Failure, Sampling, Scene, Status
-from scenes.scene import GROUND
+from scenes.model.motion import Samples
 
-from .bodies import pair
 from .constraints import LinkageConstraints, PoseArray
 from .masses import fictitious_masses, masses_of
 from .settings import PymunkSettings
-from .space import Model
 from .start import SCENES, begun, way
 
 LEFT = 1e-4  # of an error that a step starts with
@@ -62,28 +58,19 @@ def sweeps_needed(rho: float, correction: float) -> float:
 def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float]:
     """Yield rho at places of the drive through its whole range; `pose` is that at its start."""
     drive = linkage.scene.drive
-    driven = linkage.moved[drive.body].prescribed or linkage.scene.drive_on != GROUND
-    still = np.zeros_like(pose)
-    model = Model(linkage, pose, still, 0.0, "" if driven else "motor")
-    for q in (pose, *(q for end in drive.extent for _, q in way(linkage, pose, drive.start, end))):
-        model.place(q, still)
-        yield contraction(model.space)
+    yield contraction(linkage, pose)
+    for end in drive.extent:
+        yield from (contraction(linkage, q) for _, q in way(linkage, pose, drive.start, end))
 
 
-def contraction(space: pymunk.Space) -> float:
-    """Return rho, the part of an error that a sweep over the joints leaves in the long run, in the present pose."""
-    bodies = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
-    if not space.constraints:
+def contraction(linkage: LinkageConstraints, q: PoseArray) -> float:
+    """Return rho, the part of an error that a sweep leaves in the long run, in a pose, shape (1, bodies, 3)."""
+    inertias = [linkage.moved[name] for name in linkage.members]
+    ease = np.array([(1 / own.mass, 1 / own.mass, 1 / own.moment) for own in inertias]).ravel()
+    # The space has no joints between bodies that are prescribed.
+    joints = [rows for rows in _joints(linkage, linkage.jacobian(q)[0]) if (rows * ease).any()]
+    if not joints:
         return 0.0
-    ease = np.array([[1 / body.mass, 1 / body.mass, 1 / body.moment] for body in bodies]).ravel()
-    joints = []
-    for joint in space.constraints:
-        rows = _rows(joint)
-        wide = np.zeros((rows.shape[1], len(bodies), 3))
-        for body, own in zip((joint.a, joint.b), rows, strict=True):
-            if body in bodies:
-                wide[:, bodies.index(body)] = own
-        joints.append(wide.reshape(len(wide), -1))
     J = np.concatenate(joints)
     owner = np.repeat(np.arange(len(joints)), [len(rows) for rows in joints])
     A = J * ease @ J.T
@@ -91,23 +78,18 @@ def contraction(space: pymunk.Space) -> float:
     return float(np.abs(np.linalg.eigvals(np.linalg.solve(A * done, A * ~done))).max())
 
 
-def _rows(joint: pymunk.Constraint) -> NDArray[np.float64]:
-    """The velocities that a joint corrects at once, by the rates of its two bodies: shape (2, k, 3).
+def _joints(linkage: LinkageConstraints, J: Samples) -> list[Samples]:
+    """The rows of the Jacobian J that a sweep solves at once, in the order of the space.
 
     Chipmunk solves a pivot as a 2 x 2 block. It does so with a groove too, and then keeps the normal's part; so a
-    groove whose normal is an axis of that block, as here, is a block of one.
+    groove whose normal is an axis of that block, as here, is a block of one. It is met where it does not turn its
+    slider, at the foot of a perpendicular; that differs from its constraint by the angle's, which a gear keeps zero.
     """
-    if isinstance(joint, pymunk.PivotJoint):
-        ends = (joint.a, joint.anchor_a), (joint.b, joint.anchor_b)
-        (r, s) = (complex(*anchor.rotated(body.angle)) for body, anchor in ends)
-        return np.array([[[-1, 0, r.imag], [0, -1, -r.real]], [[1, 0, -s.imag], [0, 1, s.real]]])
-    if isinstance(joint, pymunk.GrooveJoint | pymunk.PinJoint):
-        s = complex(*joint.anchor_b.rotated(joint.b.angle))
-        r = complex(*joint.b.position) + s - complex(*joint.a.position)
-        if isinstance(joint, pymunk.GrooveJoint):
-            n = 1j * complex(*(joint.groove_b - joint.groove_a).normalized().rotated(joint.a.angle))
-        else:
-            bar = r - complex(*joint.anchor_a.rotated(joint.a.angle))
-            n = bar / abs(bar)
-        return np.array([[[*pair(-n), -(r.conjugate() * n).imag]], [[*pair(n), (s.conjugate() * n).imag]]])
-    return np.array([[[0.0, 0, -1]], [[0, 0, 1]]])  # a gear of ratio 1, a motor
+    scene = linkage.scene
+    pins, guides, drive = np.split(J, [2 * len(scene.pins), -1])
+    grooves, gears = [], []
+    for name, offset, angle in zip(scene.slides, guides[::2], guides[1::2], strict=True):
+        grooves.append((offset - offset[3 * linkage.index[name] + 2] * angle)[None])
+        if name in scene.turning:
+            gears.append(angle[None])
+    return [*pins.reshape(-1, 2, len(J)), *grooves, *gears, drive]

@@ -43,7 +43,7 @@ def test_engine_s_own_sweeps_contract_as_told(name: str) -> None:
     def after(sweeps: int) -> float:
         return residuals(Model(linkage, pose, rate, 1.0, ""), linkage, pose, rate, sweeps)
 
-    rho = contraction(Model(linkage, pose, rate, 1.0, "").space)
+    rho = contraction(linkage, pose)
     # Where the residual is a thousandth of the first, the slowest part alone is left; a complex pair makes it waver.
     many = max(2, int(np.ceil(np.log(1e-3) / np.log(rho))))
     assert (after(3 * many) / after(many)) ** (1 / (2 * many)) == pytest.approx(rho, rel=0.03)
