@@ -171,7 +171,7 @@ def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequen
 def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
     """Yield the parts of a slider's stroke, its ends and its dwell."""
     closing, time = way.closing, way.motion["time"]
-    closed, opened = _turn(way, int(way.closed)), _turn(way, int(way.opened))
+    closed, opened = float(time[way.closed]), float(time[way.opened])
     if kind == STROKE:
         yield curve, closed, closing
         yield curve, opened, -closing
@@ -183,14 +183,6 @@ def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
             yield curve, float(instant), closing / speed
             yield curve, closed, -closing * (1 - DWELLING) / speed
             yield curve, opened, -closing * DWELLING / speed
-
-
-def _turn(way: Stroke, row: int) -> float:
-    """When the slider turns next to a sample, by a step of Newton's; or where a drive ends."""
-    time = way.motion["time"]
-    velocity, acceleration = (way.by_kind[kind].values(way.motion)[row] for kind in ("velocity", "acceleration"))
-    turns = acceleration != 0 and (way.scene.drive.periodic or time[0] < time[row] < time[-1])
-    return float(time[row] - (velocity / acceleration if turns else 0.0))
 
 
 def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Samples:
