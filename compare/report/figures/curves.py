@@ -82,15 +82,13 @@ def _all_panels(reference: Reference) -> Iterator[Panel]:
         return PlottedCurve(name, unit, dict.fromkeys(channels, factor), len(channels) > 1)
 
     guided = scene.guided(scene.output)
-    for title, q in (("displacement", ""), ("velocity", "v"), ("acceleration", "a")):
-        x, y = curves = [curve(axis, f"{scene.output}.{q}{axis}") for axis in "xy"]
-        channels = {**x.factors, **y.factors}
+    for title, si, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s^2", "a")):
+        (factor, unit), channels = named[si], [f"{scene.output}.{q}{axis}" for axis in "xy"]
+        curves = [*map(curve, "xy", channels)]
         if guided is not None:
-            along = zip(channels.items(), guided[1].along, strict=True)
-            curves = [
-                PlottedCurve("along the guide", x.unit, {c: factor * part for (c, factor), part in along if part})
-            ]
-        yield Panel(f"{scene.output}: {title}", f"{title} [{x.unit}]", curves, [*channels])
+            along = {c: factor * part for c, part in zip(channels, guided[1].along, strict=True) if part}
+            curves = [PlottedCurve("along the guide", unit, along)]
+        yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, channels)
     if not scene.has_masses:
         return
     for pin in scene.pins:
@@ -101,9 +99,8 @@ def _all_panels(reference: Reference) -> Iterator[Panel]:
     for body in scene.slides:
         curves = [curve(name, f"{body}.guide_{name}") for name in ("force", "moment")]
         judged = [channel for own in curves for channel in own.factors]
-        yield Panel(
-            f"Guide: force and moment on {body}", ", ".join(f"{c.name} [{c.unit}]" for c in curves), curves, judged
-        )
+        title = ", ".join(f"{own.name} [{own.unit}]" for own in curves)
+        yield Panel(f"Guide: force and moment on {body}", title, curves, judged)
     drive = curve(quantity(scene.effort_channel), scene.effort_channel)
     title = f"Drive: {drive.name} on {scene.drive.body}"
     yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [scene.effort_channel])
