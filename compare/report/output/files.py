@@ -27,7 +27,6 @@ from ..linkage.still import sketched, small
 from ..pages.report import page, unsolved_page
 from ..plain import json_text
 from ..tables import TableRows
-from ..tables import speed as speed_tables
 from ..tables import study as tables
 from .earlier import Before
 from .placing import placed, remove, replace_file
@@ -61,7 +60,11 @@ def write(
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    written = {"peaks": tables.peaks(study), "errors": tables.errors(study), "speed": speed_tables.every_setting(study)}
+    written = {
+        "peaks": tables.peaks(study),
+        "errors": tables.errors(study),
+        "speed": [row.cells for row in study.speed],
+    }
     known = summary(study) | {"picture": small(study.scene, study.motion), **(since or {})}
     with _result(study.scene, folder, REPORT, known, partial(page, study, before), complete=complete) as (aside, place):
         for name, table in written.items():
