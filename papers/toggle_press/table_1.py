@@ -91,7 +91,7 @@ def lowest(scene: Scene) -> float:
     """The crank's angle where the slider is lowest, rad."""
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
-    coarse = solve(TURN.commanded(scene), TURN.times(scene))
+    coarse = registry.motion(scene, TURN, frozenset((y, vy)))
     near = 1 + int(coarse[y][1:-1].argmin())
     around = coarse["crank_angle"][[near - 1, near + 1]]
     return float(brentq(lambda angle: solve(np.array([angle]), np.zeros(1))[vy][0], *around, xtol=1e-13))
