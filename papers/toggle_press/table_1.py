@@ -80,7 +80,7 @@ def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
     scene = load(name, changes or {})
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
-    motion = solve(lowest(scene) + STEP * np.arange(TURN.samples), TURN.times(scene)[:-1])
+    motion = solve(lowest(scene) + STEP * np.arange(TURN.samples, dtype=float), TURN.times(scene)[:-1])
     height, rate = motion[y] - motion[y][0], np.abs(motion[vy]) / scene.drive.peak_rate
     highest = int(height.argmax())
     after, before = np.arange(highest + 1), -np.arange(TURN.samples - highest + 1)
