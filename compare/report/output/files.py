@@ -201,7 +201,7 @@ def _write_motion(motion: Motion, file: Path) -> None:
     """Write a motion's table: pandas takes three times as long for the same text, and a copy of it all."""
     with file.open("w", encoding="utf-8", newline="\n") as text:
         text.write(",".join(map(header, motion.samples)) + "\n")
-        rows = zip(*(values.data for values in motion.samples.values()), strict=True)  # of Python's own floats, one by one
+        rows = zip(*(values.data for values in motion.samples.values()), strict=True)  # of Python's own floats
         text.writelines(",".join(map(repr, row)) + "\n" for row in rows)
 
 
