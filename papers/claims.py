@@ -18,9 +18,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compare.engines import registry
-from scenes import Motion, Sampling, Scene
-
 from .written import Difference, Equation, Symbols
 
 EXACT = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
@@ -148,12 +145,6 @@ def comparison(claim: str, printed: str, true: Iterable[bool], computed: str, no
     one = Verdict.HOLDS if True in answers else Verdict.NOT_REPRODUCIBLE
     verdict = one if len(answers) == 1 else Verdict.UNDERDETERMINED
     return Claim(claim, printed, computed, None, verdict, note=note)
-
-
-def solved(scene: Scene, samples: int) -> Motion:
-    """The reference's motion of a scene over one cycle of its drive, with so many samples and its end."""
-    sampling = Sampling(samples)
-    return registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))
 
 
 def largest(residual: Difference) -> float:

@@ -40,7 +40,7 @@ def main() -> None:
             offline(figure).write_image(FOLDER / "acceleration.svg", width=760, height=500)
     offline(work_precision(result)).write_image(FOLDER / "speed.svg", width=1180, height=930)
     FILE.write_text(first_screen(compare.check(scene)), encoding="utf-8")
-    speed = pd.DataFrame([row.cells() for row in result.speed])[
+    speed = pd.DataFrame([row.cells for row in result.speed])[
         ["engine", "setting", "solve_min_s", "solve_median_s", "position_max", "reaction_max", "torque_max"]
     ]
     groups = pd.DataFrame(by_group(result)).drop(columns=["last_turn_max"])

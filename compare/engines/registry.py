@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeAlias, cast
 from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
 from scenes.model.enclosures import Assemblies, Enclosures, MotionRange
-from scenes.model.motion import Samples
+from scenes.model.motion import Request, Samples
 
 from . import outside
 from .outside import Entry as Entry
@@ -116,6 +116,11 @@ def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:
     Both raise Failure: where the core cannot take the scene apart, and where the linkage has no motion.
     """
     return cast("Solve", import_module("analytic").solver(scene, channels))
+
+
+def motion(scene: Scene, request: Request, channels: frozenset[str] | None = None) -> Motion:
+    """Return the motion that `reference` has at the instants of a request."""
+    return reference(scene, channels)(request.commanded(scene), request.times(scene))
 
 
 def checked_reference(scene: Scene) -> Solve:

@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from compare.engines import registry
 from compare.engines.runner import run
 from compare.report.figures.figure import Figure, draw, stacked
 from compare.report.figures.style import colour, layout, marker
 from scenes import Failure, Motion, Sampling, Scene, load
 from scenes.elements.loads import Force
 
-from ..claims import Claim, comparison, judge, largest, solved
+from ..claims import Claim, comparison, judge, largest
 from ..written import Symbols
 from .equations import EQUATIONS, KINDS, VELOCITY_RATIO, moving, scale
 from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
@@ -28,7 +29,7 @@ SAMPLES, ENGINE_SAMPLES = 720, 120
 
 def claims() -> Iterator[Claim]:
     """Every row of this source, by the reference."""
-    v = over_strokes(lambda scene: solved(scene, SAMPLES))
+    v = over_strokes(lambda scene: registry.motion(scene, Sampling(SAMPLES)))
     for equation in EQUATIONS:
         yield judge(equation, v, scale(v))
     designs = {name: corners(name) for name in TABLE_2}

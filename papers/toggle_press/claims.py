@@ -1,7 +1,7 @@
 """Toggle press: all claims of Yang (2023), of which the equations and table 1 have files of their own; its pictures."""
 
 from collections.abc import Iterator, Sequence
-from math import degrees, hypot, tau
+from math import degrees, hypot
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from scenes.model.motion import Samples
 from ..claims import OPEN, Claim, comparison, judge, number, span
 from .forces import claims as force_claims
 from .kinematics import LENGTHS, POSITIONS, RATES, over_two_turns, scale_of
-from .table_1 import HEIGHT, MOST, PART, PATHS, Press, Side, entries, family, press, rounded, speed
+from .table_1 import HEIGHT, MOST, PART, PATHS, Press, Side, entries, family, lowest, press, rounded, speed
 
 SOURCE = "toggle press"
 SCENES = ("toggle_press", "crank_press")
@@ -73,15 +73,10 @@ def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
 def _off_lines() -> tuple[float, float]:
     """How far P3 or P4 is off the y axis, and P2 off the line P1-P3, where the slider is really lowest, mm."""
     scene = load("toggle_press")
-    solve = registry.reference(scene)
-    lowest, reach = 0.0, tau
-    for _ in range(3):  # a grid of 0.2 deg, then two finer ones
-        motion = solve(lowest + np.linspace(-reach, reach, 3601), np.zeros(3601))
-        row = int(motion["P5.y"].argmin())
-        lowest, reach = motion["crank_angle"][row], reach / 1000
+    motion = registry.reference(scene)(np.array([lowest(scene)]), np.zeros(1))
     p1 = complex(*scene.ground["P1"])
-    p2, p3 = (MotionVectors(scene, motion).point(point)[0][row] for point in ("P2", "P3"))
-    axis = max(abs(motion[f"{point}.x"][row]) for point in ("P3", "P4"))
+    p2, p3 = (MotionVectors(scene, motion).point(point)[0][0] for point in ("P2", "P3"))
+    axis = max(abs(motion[f"{point}.x"][0]) for point in ("P3", "P4"))
     return 1e3 * float(axis), 1e3 * float(abs(((p2 - p3) / (p1 - p3)).imag * abs(p1 - p3)))
 
 

@@ -13,17 +13,18 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.engines import registry
 from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors
-from scenes import Motion, Scene, load
+from scenes import Motion, Sampling, Scene, load
 from scenes.elements.loads import Force
 from scenes.model.motion import Samples
 
-from ..claims import EXACT, Claim, Scale, Verdict, judge, largest, solved
+from ..claims import EXACT, Claim, Scale, Verdict, judge, largest
 from ..written import Difference, Equation, Symbols
 from .kinematics import bars
 
-SAMPLES = 24  # a turn: enough to separate equations that hold from others, for thousands of signs at once
+SAMPLES = Sampling(24)  # enough to separate equations that hold from others, for thousands of signs at once
 CHANNELS = {"RP": "P1", "RP2": "P2", "RO": "O", "RP3": "P3", "RP4": "P4", "RP5": "P5"}  # forces, and their pins
 FORCES = tuple(f"F_{name}{axis}" for name in CHANNELS for axis in "xy")
 # By body its first hinge; the printed way from there to its centre of mass; mass and inertia times acceleration.
@@ -85,7 +86,7 @@ EQUATIONS = (
 def claims() -> Iterator[Claim]:
     """A row for each equation of the kinetostatics."""
     scene = load("toggle_press")
-    given = statics(scene, solved(scene, SAMPLES))
+    given = statics(scene, registry.motion(scene, SAMPLES))
     signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]  # shape (13, m, 1)
     every = _signed(given, signs)
     scale = scale_of(given)

@@ -13,14 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from compare.engines import registry
 from compare.mechanics.motion_vectors import MotionVectors, Vectors
-from scenes import Motion, load
+from scenes import Motion, Sampling, load
 from scenes.laws import SegmentedLaw
 
-from ..claims import Scale, solved
+from ..claims import Scale
 from ..written import Equation, Symbols
 
-SAMPLES = 720  # a turn
+SAMPLES = Sampling(720)
 LENGTHS = (77.0, 300.0, 490.0, 490.0, 760.0, 300.0)  # mm, as printed
 BARS = (("P1", "P2"), ("O", "P3"), ("P2", "P3"), ("P3", "P4"), ("P2", "P4"), ("P4", "P5"))
 BODIES = ("crank", "rocker", "toggle", "toggle", "toggle", "rod")  # of the bars
@@ -50,7 +51,7 @@ def over_two_turns() -> Symbols:
     """
     steady = load("toggle_press")
     uneven = SegmentedLaw("crank", 0.0, (tau,), (steady.drive.cycle,), ("cycloidal",), periodic=True)
-    motions = [solved(scene, SAMPLES) for scene in (steady, replace(steady, drive=uneven))]
+    motions = [registry.motion(scene, SAMPLES) for scene in (steady, replace(steady, drive=uneven))]
     both = Motion({channel: np.concatenate([m[channel] for m in motions]) for channel in motions[0].samples})
     state = MotionVectors(steady, both)
     vectors = bars(state)

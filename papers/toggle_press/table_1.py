@@ -12,9 +12,10 @@ from itertools import product
 from math import degrees, radians, tau
 
 import numpy as np
+from scipy.optimize import brentq
 
 from compare.engines import registry
-from scenes import Sampling, load
+from scenes import Sampling, Scene, load
 from scenes.model.motion import Samples
 
 from ..claims import Claim, comparison, joined, limit, number, span
@@ -79,15 +80,21 @@ def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
     scene = load(name, changes or {})
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
-    coarse = solve(TURN.commanded(scene), TURN.times(scene))
-    near = 1 + int(coarse[y][1:-1].argmin())
-    curvature = np.diff(coarse[vy][near - 1 : near + 2]).mean()
-    lowest = coarse["crank_angle"][near] - coarse[vy][near] / curvature * STEP
-    motion = solve(lowest + STEP * np.arange(TURN.samples), TURN.times(scene)[:-1])
+    motion = solve(lowest(scene) + STEP * np.arange(TURN.samples, dtype=float), TURN.times(scene)[:-1])
     height, rate = motion[y] - motion[y][0], np.abs(motion[vy]) / scene.drive.peak_rate
     highest = int(height.argmax())
     after, before = np.arange(highest + 1), -np.arange(TURN.samples - highest + 1)
     return Press(*(Side(STEP * np.abs(rows), height[rows], rate[rows]) for rows in (before, after)))
+
+
+def lowest(scene: Scene) -> float:
+    """The crank's angle where the slider is lowest, rad."""
+    y, vy = f"{scene.output}.y", f"{scene.output}.vy"
+    solve = registry.reference(scene, frozenset((y, vy)))
+    coarse = registry.motion(scene, TURN, frozenset((y, vy)))
+    near = 1 + int(coarse[y][1:-1].argmin())
+    around = coarse["crank_angle"][[near - 1, near + 1]]
+    return float(brentq(lambda angle: solve(np.array([angle]), np.zeros(1))[vy][0], *around, xtol=1e-13))
 
 
 def rounded() -> list[Press]:

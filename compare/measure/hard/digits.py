@@ -33,9 +33,9 @@ from ...engines.runner import run
 from ...judge.peaks.peaks import peaks
 from ...mechanics.mechanics import SHOWN_GROUPS, inputs
 from ...mechanics.reference import Reference, on_switch
+from ...mechanics.round_off import EPS
 from ...mechanics.scales import magnitude, relative_errors
 
-EPS = float(np.finfo(float).eps)
 STEP = 2.0**-40  # 1e-12, of an input: the changes keep four digits as doubles, and are small down to 1e-10 from lock
 ZERO = 1e-20  # of what its errors are divided by: what 50 digits leave of a channel that is zero by symmetry
 EQUALLY = 12  # positions over a cycle, besides those about the nearest lock

@@ -20,7 +20,7 @@ from scenes.model.motion import Samples
 
 from ...engines import registry
 from ...judge.peaks.curves import CycleCurve, Values, curves
-from ...judge.peaks.numbers import CLOSED, DWELL, STROKE, CycleNumber, numbers
+from ...judge.peaks.numbers import DWELL, STROKE, CycleNumber, numbers
 from ...judge.peaks.refined import needed, refined
 from ...judge.peaks.stroke import DWELLING, RowNumbers, Stroke, chords
 from ...judge.proof import channels_of, met
@@ -143,11 +143,10 @@ def _by_differences(
 
 
 def _change(curve: CycleCurve, by: Mapping[str, Samples]) -> Values:
-    """How a quantity changes, shape (p, n): it is linear in its channels, but for a constant."""
+    """How a quantity changes with its channels, in which it is linear, shape (p, n)."""
     if curve.kind == "guide_force":  # which is taken as a vector that turns with the guide
         return by[curve.channels[0]]
-    nothing = {name: np.zeros_like(values) for name, values in by.items()}
-    return curve.values(Motion(by)) - curve.values(Motion(nothing))
+    return np.asarray(np.sum([part * by[channel] for channel, part in curve.parts.items()], axis=0))
 
 
 def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequence[CycleCurve]) -> Iterator[Term]:
@@ -160,37 +159,26 @@ def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequen
         along = (longest.conj() * place).real
         for end, sign in ((along.argmax(), 1), (along.argmin(), -1)):
             yield curve, float(time[end]), complex(sign * longest / np.abs(longest))
-    elif curve.kind == "displacement":
-        way = Stroke(scene, motion, {curve.kind: curve for curve in quantities}, exact=True)
-        yield from _of_stroke(number.kind, curve, way)
+    elif number.kind in (STROKE, DWELL):
+        yield from _of_stroke(number.kind, curve, Stroke(scene, motion, {c.kind: c for c in quantities}, exact=True))
     elif number.row is not None and (row := int(number.row[0])) >= 0:  # else it is rounding
         value = (motion[curve.channels[0]] if curve.kind == "guide_force" else curve.values(motion))[row]
-        yield curve, float(time[row]), value / (number.value[0] or 1.0)
+        yield curve, float(time[row]), value / number.value[0] if number.value[0] else 1.0
 
 
 def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
-    """Yield the parts of a slider's stroke, its ends and its dwell."""
+    """Yield the parts of a slider's stroke, or of its dwell."""
     closing, time = way.closing, way.motion["time"]
-    closed, opened = _turn(way, int(way.closed)), _turn(way, int(way.opened))
+    closed, opened = float(time[way.closed]), float(time[way.opened])
     if kind == STROKE:
         yield curve, closed, closing
         yield curve, opened, -closing
-    elif kind != DWELL:
-        yield curve, closed if kind == CLOSED else opened, 1.0
     else:
         (step,), share, _, speeds = way.ends
         for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
             yield curve, float(instant), closing / speed
             yield curve, closed, -closing * (1 - DWELLING) / speed
             yield curve, opened, -closing * DWELLING / speed
-
-
-def _turn(way: Stroke, row: int) -> float:
-    """When the slider turns next to a sample, by a step of Newton's; or where a drive ends."""
-    time = way.motion["time"]
-    velocity, acceleration = (way.by_kind[kind].values(way.motion)[row] for kind in ("velocity", "acceleration"))
-    turns = acceleration != 0 and (way.scene.drive.periodic or time[0] < time[row] < time[-1])
-    return float(time[row] - (velocity / acceleration if turns else 0.0))
 
 
 def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Samples:

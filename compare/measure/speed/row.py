@@ -35,6 +35,7 @@ class SpeedRow:
         """An error, NaN where it is not known."""
         return self.errors.get(name, nan)
 
+    @property
     def cells(self) -> dict[str, object]:
         """The row as a table has it, by column."""
         cells = dict[str, object]()

@@ -53,7 +53,7 @@ class Panel:
 def panels(reference: Reference, request: Request) -> Iterator[Panel]:
     """Yield the output's motion, every joint's reaction, the drive's torque or force; only channels asked for."""
     asked = set(request.wanted(reference.scene))
-    for panel in (*_motion_panels(reference), *(_force_panels(reference) if reference.scene.has_masses else ())):
+    for panel in _all_panels(reference):
         curves = [curve for curve in panel.curves if asked.issuperset(curve.factors)]
         if curves:
             yield replace(panel, curves=curves, judged=tuple(c for c in panel.judged if c in asked))
@@ -74,39 +74,36 @@ def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
     return [panel for panel in every if panel in first], [panel for panel in every if panel not in first]
 
 
-def _motion_panels(reference: Reference) -> Iterator[Panel]:
-    scene = reference.scene
+def _all_panels(reference: Reference) -> Iterator[Panel]:
+    scene, named = reference.scene, units(reference)
+
+    def curve(name: str, *channels: str) -> PlottedCurve:
+        factor, unit = named[UNITS[quantity(channels[0])]]
+        return PlottedCurve(name, unit, dict.fromkeys(channels, factor), len(channels) > 1)
+
     guided = scene.guided(scene.output)
     for title, si, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s^2", "a")):
-        (factor, unit), channels = units(reference)[si], [f"{scene.output}.{q}{x}" for x in "xy"]
-        curves = [PlottedCurve(c[-1], unit, {c: factor}) for c in channels]
+        (factor, unit), channels = named[si], [f"{scene.output}.{q}{axis}" for axis in "xy"]
+        curves = [*map(curve, "xy", channels)]
         if guided is not None:
-            along = zip(channels, guided[1].along, strict=True)
-            curves = [PlottedCurve("along the guide", unit, {c: factor * part for c, part in along if part != 0})]
+            along = {c: factor * part for c, part in zip(channels, guided[1].along, strict=True) if part}
+            curves = [PlottedCurve("along the guide", unit, along)]
         yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, channels)
-
-
-def _force_panels(reference: Reference) -> Iterator[Panel]:
-    scene = reference.scene
-    (per_newton, newtons), (per_moment, moments) = (units(reference)[si] for si in ("N", "N*m"))
+    if not scene.has_masses:
+        return
     for pin in scene.pins:
-        both = {f"{pin.channel}.f{x}": per_newton for x in "xy"}
-        parts = [PlottedCurve(c[-1], newtons, {c: per_newton}) for c in both]
-        curves = [PlottedCurve("magnitude", newtons, both, True), *parts]
-        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{newtons}]", curves, [*both])
-
-    def effort(stem: str, name: str) -> PlottedCurve:
-        factor, unit = (per_newton, newtons) if name == "force" else (per_moment, moments)
-        return PlottedCurve(name, unit, {f"{stem}{name}": factor})
-
+        both = [f"{pin.channel}.f{axis}" for axis in "xy"]
+        curves = [curve("magnitude", *both), *map(curve, "xy", both)]
+        title = f"Pin {pin.channel}: force of {pin.first} on {pin.second}"
+        yield Panel(title, f"force [{curves[0].unit}]", curves, both)
     for body in scene.slides:
-        curves = [effort(f"{body}.guide_", name) for name in ("force", "moment")]
-        judged = [channel for curve in curves for channel in curve.factors]
-        title = f"force [{newtons}], moment [{moments}]"
+        curves = [curve(name, f"{body}.guide_{name}") for name in ("force", "moment")]
+        judged = [channel for own in curves for channel in own.factors]
+        title = ", ".join(f"{own.name} [{own.unit}]" for own in curves)
         yield Panel(f"Guide: force and moment on {body}", title, curves, judged)
-    drive = effort("drive.", quantity(scene.effort_channel))
+    drive = curve(quantity(scene.effort_channel), scene.effort_channel)
     title = f"Drive: {drive.name} on {scene.drive.body}"
-    yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [*drive.factors])
+    yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [scene.effort_channel])
 
 
 def error(study: Study, panel: Panel, comparison: Comparison) -> Samples:

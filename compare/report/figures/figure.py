@@ -98,7 +98,7 @@ def draw(
     where it is empty, share the entry of the first named one. Mode and style are attributes of plotly's scatter trace.
     """
     group = group or name
-    listed = bool(name) and not any(t["showlegend"] and t["legendgroup"] == group for t in figure.traces)
+    listed = bool(name) and not any(t.get("showlegend") and t["legendgroup"] == group for t in figure.traces)
     hover = {} if name else {"hoverinfo": "skip"}
     trace = {"x": x, "y": y, "name": name, "mode": mode, "legendgroup": group, "showlegend": listed}
     figure.add(trace | hover | style, panel)

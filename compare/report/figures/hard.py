@@ -1,6 +1,6 @@
 """Figures of hard cases: their errors, and maps of where engines are stable, failures being grey with a letter."""
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
@@ -34,8 +34,10 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
         figure = side_by_side(engines)
         for column, engine in enumerate(engines, start=1):
             rows = cells[cells["engine"] == engine]
-            for trace in _traces(rows):
-                figure.add(trace, column)
+            figure.add(_cells(rows), column)
+            if "needed" in rows and rows["needed"].notna().any():
+                line = {"color": colour(1), "width": 3, "dash": "dash"}
+                draw(figure, "enough by theory: ρ^sweeps ≤ 1 / (1 + β)", *_boundary(rows), column, line=line)
             figure.update_xaxes(categories(dict.fromkeys(rows["label"])), title=across, panel=column)
         figure.update_xaxes(showgrid=False, zeroline=False)
         figure.update_yaxes(categories(steps), showgrid=False, zeroline=False)
@@ -47,8 +49,8 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
         yield title, figure.update_layout(margin={"b": 100})
 
 
-def _traces(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    """Yield the cells of one engine, with their colours as `meta`, and the boundary by theory."""
+def _cells(rows: pd.DataFrame) -> dict[str, Any]:
+    """The cells of one engine, with their colours as `meta`."""
     labels, steps = [*dict.fromkeys(rows["label"])], sorted(set(rows["steps"]))
     text, hover, shade = (np.full((len(steps), len(labels)), "", object) for _ in range(3))
     for cell in rows.to_dict("records"):
@@ -57,9 +59,7 @@ def _traces(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
         text[place], hover[place] = LETTERS.get(Status[str(cell["status"])], rounded), _hover(cell)
         fine = cell["status"] == Status.ok.name
         shade[place] = graded(1 - np.log10(min(max(error, LEAST), 1.0)) / np.log10(LEAST)) if fine else FAILED
-    yield {"type": "heatmap", "text": text, "customdata": hover, "meta": shade, "hovertemplate": "%{customdata}"}
-    if "needed" in rows and rows["needed"].notna().any():
-        yield _boundary(rows)
+    return {"type": "heatmap", "text": text, "customdata": hover, "meta": shade, "hovertemplate": "%{customdata}"}
 
 
 def _hover(cell: Mapping[Hashable, Any]) -> str:
@@ -69,15 +69,12 @@ def _hover(cell: Mapping[Hashable, Any]) -> str:
     return "<br>".join(filter(None, lines))
 
 
-def _boundary(rows: pd.DataFrame) -> dict[str, Any]:
+def _boundary(rows: pd.DataFrame) -> tuple[Sequence[float], Sequence[float]]:
     """The line where theory has the runs begin to hold, between the columns by the logarithm."""
     across = rows.drop_duplicates("label")["x"].to_numpy(float)
     needed = rows.groupby("steps")["needed"].first().to_numpy(float)
     x = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
-    line = {"mode": "lines", "line": {"color": colour(1), "width": 3, "dash": "dash"}, "showlegend": True}
-    x, y = [x[0], *x, x[-1]], [-0.5, *range(len(needed)), len(needed) - 0.5]
-    name = "enough by theory: ρ^sweeps ≤ 1 / (1 + β)"
-    return {"type": "scatter", "x": x, "y": y, "name": name, "legendgroup": name} | line
+    return [x[0], *x, x[-1]], [-0.5, *range(len(needed)), len(needed) - 0.5]
 
 
 def over_condition(cases: pd.DataFrame) -> Figure | None:

@@ -9,8 +9,6 @@ from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from scenes import InputError, Motion, Sampling, Scene, shipped
 from scenes.file.toml import SUMMARY_BYTES, read_text
 from scenes.model.enclosures import Assemblies, Enclosure
@@ -29,7 +27,6 @@ from ..linkage.still import sketched, small
 from ..pages.report import page, unsolved_page
 from ..plain import json_text
 from ..tables import TableRows
-from ..tables import speed as speed_tables
 from ..tables import study as tables
 from .earlier import Before
 from .placing import placed, remove, replace_file
@@ -44,7 +41,6 @@ REPORT = ("report.html", "summary.json", *TABLES)
 FAMILY = ("family.html", "family.json", "family.csv")
 MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
 ASSEMBLIES = ("assemblies.html", "assemblies.json")
-BLOCK = 4096  # rows of a motion that are text at a time
 
 
 def write(
@@ -64,7 +60,11 @@ def write(
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    written = {"peaks": tables.peaks(study), "errors": tables.errors(study), "speed": speed_tables.every_setting(study)}
+    written = {
+        "peaks": tables.peaks(study),
+        "errors": tables.errors(study),
+        "speed": [row.cells for row in study.speed],
+    }
     known = summary(study) | {"picture": small(study.scene, study.motion), **(since or {})}
     with _result(study.scene, folder, REPORT, known, partial(page, study, before), complete=complete) as (aside, place):
         for name, table in written.items():
@@ -198,12 +198,11 @@ def _write_table(given: TableRows, file: Path, columns: Sequence[str] = ()) -> N
 
 
 def _write_motion(motion: Motion, file: Path) -> None:
-    """Write a motion's table in blocks: pandas takes three times as long for the same text, and a copy of it all."""
+    """Write a motion's table: pandas takes three times as long for the same text, and a copy of it all."""
     with file.open("w", encoding="utf-8", newline="\n") as text:
         text.write(",".join(map(header, motion.samples)) + "\n")
-        for start in range(0, len(motion["time"]), BLOCK):
-            rows = np.stack([values[start : start + BLOCK] for values in motion.samples.values()], axis=1)
-            text.writelines(",".join(map(repr, row)) + "\n" for row in rows.tolist())
+        rows = zip(*(values.data for values in motion.samples.values()), strict=True)  # of Python's own floats
+        text.writelines(",".join(map(repr, row)) + "\n" for row in rows)
 
 
 def summary(study: Study) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from scenes import Failure, Motion, Sampling, Scene, load
+from scenes import Failure, Sampling, Scene, load
 from scenes.model.enclosures import Assemblies
 
 from ...engines import registry
@@ -63,14 +63,10 @@ def assemblies_page(scene: Scene, every: Assemblies) -> str:
     return render("assemblies.html", scene=scene, every=every, tables=assembly_tables, pictures=pictures)
 
 
-def _motion(scene: Scene) -> Motion:
-    return registry.reference(scene)(DRAWN.commanded(scene), DRAWN.times(scene))
-
-
 def _shown(family: Family) -> Iterator[dict[str, Any]]:
     """Yield by name what the slider shows of the members that are drawn, all at one scale and with the same units."""
     chosen = [(member, member.judgement) for member, _ in drawn(family) if member.judgement is not None]
-    alone = [Drawing(judged.scene, _motion(judged.scene)) for _, judged in chosen]
+    alone = [Drawing(judged.scene, registry.motion(judged.scene, DRAWN)) for _, judged in chosen]
     named = units(*(judged.reference for _, judged in chosen)) if chosen else {}
     for (member, judged), own in zip(chosen, alone, strict=True):
         over = own.motion[axis(own.scene).channel]
@@ -90,6 +86,6 @@ def _worst(study: MonteCarlo) -> str:
         return ""
     scene = load(study.scene.file, study.changes(study.worst[0]))
     try:
-        return by_itself(Drawing(scene, _motion(scene)), FRAMES)
+        return by_itself(Drawing(scene, registry.motion(scene, DRAWN)), FRAMES)
     except Failure:
         return ""

@@ -114,7 +114,7 @@ def _jam(scene: Scene) -> str:
         scaled = (replace(one, coefficient=factor * one.coefficient) for one in scene.friction)
         harder = replace(scene, friction=tuple(scaled))
         try:
-            registry.reference(harder, frozenset((scene.effort_channel,)))(CYCLE.commanded(scene), CYCLE.times(scene))
+            registry.motion(harder, CYCLE, frozenset((scene.effort_channel,)))
         except Failure:
             return True
         return False

@@ -4,8 +4,7 @@ import re
 from math import isnan
 
 from ...engines.registry import ABLATION, REFERENCE
-from ...measure.speed.row import SpeedRow
-from ...measure.speed.work_precision import LEVELS, Choice, as_fast, contenders, groups, solved, standing
+from ...measure.speed.work_precision import ALIKE, Choice, contenders, groups, solved
 from ...mechanics.axis import cycle_name
 from ...study import Study
 from . import TableRows
@@ -28,24 +27,19 @@ def main_group(study: Study) -> str | None:
 
 def verdict(study: Study) -> str:
     """Which setting is the cheapest for what matters most, in one sentence; several where they are level."""
-    group, points = main_group(study), solved(study.speed)
-    if group is None or not points:
+    group = main_group(study)
+    able = [choice for choice in study.cheapest if (choice.group, choice.level) == (group, LEVEL) and not choice.note]
+    if group is None or not able:
         return ""
-    error, limit = f"{group}_max", LEVELS[LEVEL]
-    best = {engine: as_fast(rows, error, limit) for engine, note, rows in contenders(points) if not note}
-    reference = any(row.engine == REFERENCE for row in as_fast([p for p in points if not p.note], error, limit))
-    named = [_setting(study, best[REFERENCE][0])] if reference else []
-    others = [engine for engine, stands in standing(points, error, limit).items() if stands != "dearer"]
+    cycle = cycle_name(study.scene)
+    texts = {c: f"{c.engine} with the setting “{c.setting}”, {1e3 * c.solve_s:.3g} ms per {cycle}" for c in able}
+    named = [text for choice, text in texts.items() if choice.engine == REFERENCE and choice.ratio <= 1 + ALIKE]
+    others = [text for choice, text in texts.items() if choice.standing in ("cheapest", "level")]
     if others:
-        alike = "of the other engines, " * reference + "about equally fast, " * (len(others) > 1)
-        named.append(alike + " and ".join(_setting(study, best[engine][0]) for engine in others))
+        alike = "of the other engines, " * len(named) + "about equally fast, " * (len(others) > 1)
+        named.append(alike + " and ".join(others))
     fastest = "; ".join(named) or "no setting that was tried"
     return f"The fastest way to {NOUNS.get(group, group)} within {LEVEL}: {fastest}."
-
-
-def _setting(study: Study, row: SpeedRow) -> str:
-    time = f"{1e3 * row.solve_min_s:.3g} ms per {cycle_name(study.scene)}"
-    return f"{row.engine} with the setting “{row.setting}”, {time}"
 
 
 def notes(study: Study) -> list[str]:
@@ -106,8 +100,3 @@ def ablations(study: Study) -> TableRows:
             sizes = {size: row.counters.get(size, "–") for size in SIZES}
             named = {"engine": engine, "setting": row.setting, "status": row.status}
             yield {**named, **sizes, "per step [µs]": 1e6 * a_step, "ratio": a_step / seconds[0]}
-
-
-def every_setting(study: Study) -> TableRows:
-    """What is known of every setting."""
-    return [row.cells() for row in study.speed]

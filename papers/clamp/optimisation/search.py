@@ -75,11 +75,10 @@ class Problem:
             rows += [ratio - force, length - force]
         return np.stack(rows)
 
-    def violation(self, d: Design) -> Array:
-        """By how much a design misses the worst of its limits, dimensionless, zero if it misses none."""
-        rows = self.rows(d)[1:]
-        count = len(self.equalities)
-        return np.asarray(np.max([np.zeros_like(rows[0]), *np.abs(rows[:count]), *-rows[count:]], axis=0))
+    def violations(self, rows: Array) -> Array:
+        """By how much each limit is missed, dimensionless, zero if it is not; by `rows`, of the shape (limits, ...)."""
+        count = 1 + len(self.equalities)
+        return np.concatenate([np.abs(rows[1:count]), np.maximum(-rows[count:], 0.0)])
 
     def with_gradients(self, u: Vector) -> tuple[Vector, Vector]:
         """The rows at a point of the unit box and their gradients there, shapes (rows,) and (rows, 8)."""
@@ -129,7 +128,7 @@ class Optimum:
 def search(problem: Problem, starts: int) -> Optimum:
     """Search from that many points of a Sobol sequence, those at which a design assembles."""
     d = in_box(np.stack([_descend(problem, start) for start in _starts(starts)], axis=1))
-    value, violation = MEASURES[problem.objective].of(d), problem.violation(d)
+    value, violation = MEASURES[problem.objective].of(d), problem.violations(problem.rows(d)).max(axis=0)
     feasible = assembles(d) & (violation <= FEASIBLE)
     if not feasible.any():
         return Optimum(Design(*[np.nan] * len(d)), np.nan, np.nan, starts, 0, 0)
@@ -193,6 +192,5 @@ def _penalised(u: Vector, problem: Problem) -> Vector:
     """The objective plus what is violated, shape (n,), of designs of shape (8, n)."""
     d = in_box(u)
     rows = problem.rows(d)
-    count = 1 + len(problem.equalities)
-    violated = np.abs(rows[1:count]).sum(axis=0) + np.maximum(-rows[count:], 0.0).sum(axis=0)
-    return np.asarray(np.where(assembles(d), rows[0] + PENALTY * violated, FAR))
+    penalty = PENALTY * problem.violations(rows).sum(axis=0)
+    return np.asarray(np.where(assembles(d), rows[0] + penalty, FAR))

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from analytic.core import kinematics
-from compare.measure.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions
+from compare.measure.hard.digits import STEP, digits_lost, inputs_off, nearest_lock, positions
 from compare.mechanics.reference import uncertified
+from compare.mechanics.round_off import EPS
 from scenes import Failure, Positions, Scene, Status, hard
 from scenes.scene import ConstantSpeed
 from tests import scene_files

@@ -41,7 +41,7 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
 
 
 def rows_of(speed: Sequence[SpeedRow]) -> dict[str, dict[str, Any]]:
-    return {row.setting: row.cells() for row in speed}
+    return {row.setting: row.cells for row in speed}
 
 
 @pytest.mark.usefixtures("stub")
