@@ -203,10 +203,10 @@ def _newton_euler(bodies: Mapping[str, LoadedBody]) -> Violations:
     left: Violations = {}
     for name, body in bodies.items():
         force = -body.mass * body.acceleration
-        moment = body.couple - body.inertia * body.alpha
-        for push, at in body.pushes:
-            force = force + push
-            moment = moment + ((at - body.com).conjugate() * push).imag
+        moment = -body.inertia * body.alpha
+        for push in (*body.joints, *body.applied):
+            force = force + push.force
+            moment = moment + ((push.at - body.com).conjugate() * push.force).imag + push.moment
         left["Newton", name, "peak force on the body"] = np.abs(force)
         left["Euler", name, "peak force times the linkage's size"] = np.abs(moment)
     return left
@@ -214,7 +214,7 @@ def _newton_euler(bodies: Mapping[str, LoadedBody]) -> Violations:
 
 def _sizes(body: LoadedBody, arm: float) -> Iterator[float]:
     """Yield the peaks of the forces on a body, N, and of the moments of loads and springs, by an arm."""
-    yield from (float(np.abs(force).max()) for force, _ in body.pushes)
+    yield from (float(np.abs(push.force).max()) for push in (*body.joints, *body.applied))
     yield from (float(np.abs(push.moment).max()) / arm for push in body.applied)
 
 

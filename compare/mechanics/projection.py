@@ -18,7 +18,7 @@ from scenes.model.motion import Samples
 
 from .bodies import inertia
 from .constraints import ClosedPoses, Matrices, planes
-from .elements import applied
+from .elements import Push, applied, generalised
 from .friction import by_law
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
@@ -95,12 +95,8 @@ def _loads(
 
 def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
     """M q'' - Q, shape (n, m, 1): what joints and drive do on each body; forces and moments at its first point."""
-    needed: list[Samples] = []
-    for body in mechanics.scene.bodies.values():
-        first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
-        force, alpha = (body.mass or 0.0) * acceleration, state.angle(body.name, "alpha")
-        moment = inertia(body) * alpha + ((com - first).conjugate() * force).imag
-        for push in applied(state, body):
-            force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag - push.moment
-        needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]
-    return np.stack(needed, axis=1)[..., np.newaxis]
+    inertial = []
+    for name, body in mechanics.scene.bodies.items():
+        (com, _, acceleration), alpha = state.com(body), state.angle(name, "alpha")
+        inertial.append(Push(name, -(body.mass or 0.0) * acceleration, com, -inertia(body) * alpha))
+    return -generalised(state, (*inertial, *applied(state)), mechanics.size)[..., np.newaxis]

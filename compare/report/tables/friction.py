@@ -4,7 +4,6 @@ from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import product
 
 import numpy as np
 
@@ -93,9 +92,8 @@ def _of_loads(study: Study) -> Samples:
     """The power of all loads on the bodies in a cycle, W."""
     state = MotionVectors(study.scene, study.reference.cycle).pressed(study.reference.stroke_ends)
     power = np.zeros_like(state.motion["time"])
-    for body, load in product(study.scene.bodies, study.scene.loads):
-        for push in of_element(state, load, body):
-            power += (push.velocity.conjugate() * push.force).real + push.moment * state.turning(body)[1]
+    for push in (push for load in study.scene.loads for push in of_element(state, load)):
+        power += (push.velocity.conjugate() * push.force).real + push.moment * state.turning(push.body)[1]
     return power
 
 
