@@ -3,7 +3,7 @@
 This is all that the judge knows of them: the balance of forces and moments of each body, and the power of each.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -31,20 +31,6 @@ class Push(NamedTuple):
     moment: Samples | float = 0.0
     velocity: Vectors | float = 0.0  # of that point of the body, m/s
     name: str = ""
-
-
-class LoadedBody(NamedTuple):
-    """A body of a motion: what acts on it, and how it moves; arrays of shape (n,)."""
-
-    mass: float  # kg
-    inertia: float  # kg m^2, about the centre of mass
-    applied: Sequence[Push]
-    joints: Sequence[Push]  # and the drive
-    com: Vectors
-    velocity: Vectors  # of the centre of mass, as the acceleration
-    acceleration: Vectors
-    omega: Samples
-    alpha: Samples
 
 
 def applied(state: MotionVectors) -> Iterator[Push]:
@@ -180,18 +166,15 @@ def argument(state: MotionVectors, body: str, table: LoadCurve) -> Samples:
     return state.motion["time" if table.over == "time" else state.scene.drive_channel]
 
 
-def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:
-    """All bodies of a motion that has every channel, by name."""
-    scene, loads, joints = state.scene, [*applied(state)], [*_of_joints(state)]
-    moving = {}
-    for name, body in scene.bodies.items():
-        weights, turning = (body.mass or 0.0, inertia(body)), state.turning(name)[1:]
-        own, held = ([push for push in of if push.body == name] for of in (loads, joints))
-        moving[name] = LoadedBody(*weights, own, held, *state.com(body), *turning)
-    return moving
+def inertial(state: MotionVectors) -> Iterator[Push]:
+    """Yield the inertia of each body as a force and a couple on it, against its accelerations (d'Alembert)."""
+    for name, body in state.scene.bodies.items():
+        z, v, a = state.com(body)
+        couple = -inertia(body) * state.angle(name, "alpha")
+        yield Push(name, -(body.mass or 0.0) * a, z, couple, v, f"the inertia of {name}")
 
 
-def _of_joints(state: MotionVectors) -> Iterator[Push]:
+def of_joints(state: MotionVectors) -> Iterator[Push]:
     """Yield what pins, guides and the drive do on the bodies that they are between."""
     scene, motion = state.scene, state.motion
     between: list[tuple[str, str, str, Vectors, Samples | float]] = [
@@ -206,8 +189,13 @@ def _of_joints(state: MotionVectors) -> Iterator[Push]:
     between.append((driven.name, scene.drive_on, driven.points[0], push, effort if turns else 0.0))
     for on, other, point, force, moment in between:
         at = state.place(point)
-        yield Push(on, force, at, moment)
-        yield Push(other, -force, at, -moment)
+        both = Push(on, force, at, moment), Push(other, -force, at, -moment)
+        yield from (push for push in both if push.body != GROUND)
+
+
+def power_of(state: MotionVectors, push: Push) -> Samples:
+    """The power of what acts on a body from without, or of its inertia, W."""
+    return (push.velocity.conjugate() * push.force).real + push.moment * state.angle(push.body, "omega")
 
 
 def drive_power(state: MotionVectors) -> Samples:

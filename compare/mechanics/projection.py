@@ -16,9 +16,8 @@ import numpy as np
 from scenes import Motion
 from scenes.model.motion import Samples
 
-from .bodies import inertia
 from .constraints import ClosedPoses, Matrices, planes
-from .elements import Push, applied, generalised
+from .elements import applied, generalised, inertial
 from .friction import by_law
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
@@ -95,8 +94,4 @@ def _loads(
 
 def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
     """M q'' - Q, shape (n, m, 1): what joints and drive do on each body; forces and moments at its first point."""
-    inertial = []
-    for name, body in mechanics.scene.bodies.items():
-        (com, _, acceleration), alpha = state.com(body), state.angle(name, "alpha")
-        inertial.append(Push(name, -(body.mass or 0.0) * acceleration, com, -inertia(body) * alpha))
-    return -generalised(state, (*inertial, *applied(state)), mechanics.size)[..., np.newaxis]
+    return -generalised(state, (*inertial(state), *applied(state)), mechanics.size)[..., np.newaxis]
