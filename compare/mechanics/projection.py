@@ -81,7 +81,9 @@ def _loads(
     units = mechanics.constraints.units
 
     def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
-        multipliers = (inverse.swapaxes(1, 2) @ _needed(mechanics, replace(own, acting=acting)))[..., 0] / units
+        loaded = replace(own, acting=acting)
+        pushes = generalised(loaded, (*inertial(loaded), *applied(loaded)), mechanics.size)  # Q - M q''
+        multipliers = -(inverse.swapaxes(1, 2) @ pushes[..., np.newaxis])[..., 0] / units
         forces = dict(zip(mechanics.forces, multipliers.T, strict=True))
         given = [(channel, unit) for channel, unit in zip(forces, units, strict=True) if channel in motion]
         off = [unit * np.abs(forces[channel] - motion[channel]) for channel, unit in given]
@@ -90,8 +92,3 @@ def _loads(
 
     may = [np.concatenate(both) for both in zip(own.acts(ends), computed.acts(ends), strict=True)]
     return fitted(mechanics.presses, may, misfit)
-
-
-def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
-    """M q'' - Q, shape (n, m, 1): what joints and drive do on each body; forces and moments at its first point."""
-    return -generalised(state, (*inertial(state), *applied(state)), mechanics.size)[..., np.newaxis]
