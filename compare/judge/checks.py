@@ -3,7 +3,7 @@
 The drive where it was asked to be, closed joints, one branch, small estimated errors, Newton and Euler, power.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND, Body
 
 from ..mechanics.bodies import distances
-from ..mechanics.elements import LoadedBody, drive_power, loaded_bodies
+from ..mechanics.elements import Push, applied, drive_power, inertial, of_joints, power_of
 from ..mechanics.friction import unresting
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from ..mechanics.motion_vectors import Acts, MotionVectors
@@ -168,16 +168,16 @@ def _balances(
     least: Violations = {}
     newtons = {c: float(np.abs(state.motion[c]).max()) for c in mechanics.forces if mechanics.units[c] == "N"}
     fastest = max((float(np.abs(state.point(p)[1]).max()) for p in mechanics.scene.moving_points), default=0.0)
-    drive = drive_power(state)
+    drive, joints, inertia = drive_power(state), [*of_joints(state)], [*inertial(state)]
 
     def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
         """The power left over, to which all sliders add; the rest, each of one body, is the least of any."""
-        bodies = loaded_bodies(replace(state, acting=acting))
-        closed = loaded_bodies(replace(state, acting=acting, motion=estimated.closed))
-        left, terms = _newton_euler(bodies), [drive, *_powers(bodies)]
-        peaks, carried = (
-            {name: max(_sizes(body, mechanics.size)) for name, body in of.items()} for of in (bodies, closed)
-        )
+        now, closed = (replace(state, acting=acting, motion=motion) for motion in (state.motion, estimated.closed))
+        loads = [*applied(now)]
+        left = _newton_euler(now, (*inertia, *joints, *loads))
+        terms = [drive, *(power_of(now, push) for push in (*loads, *inertia))]
+        peaks = _peaks(joints, loads, mechanics.size)
+        carried = _peaks([*of_joints(closed)], [*applied(closed)], mechanics.size)
         # Relative to the peak force on the body, or on any where it carries nothing: if that is so in the motion's own
         # poses, what an engine finds there is its noise.
         nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
@@ -198,29 +198,22 @@ def _balances(
     return least
 
 
-def _newton_euler(bodies: Mapping[str, LoadedBody]) -> Violations:
-    """By how much the reactions and loads of each body miss m a, N, and I alpha about the centre of mass, N m."""
+def _newton_euler(state: MotionVectors, pushes: Sequence[Push]) -> Violations:
+    """What all that acts on each body, its inertia too, leaves over: N, and about the centre of mass N m."""
     left: Violations = {}
-    for name, body in bodies.items():
-        force = -body.mass * body.acceleration
-        moment = body.couple - body.inertia * body.alpha
-        for push, at in body.pushes:
-            force = force + push
-            moment = moment + ((at - body.com).conjugate() * push).imag
-        left["Newton", name, "peak force on the body"] = np.abs(force)
-        left["Euler", name, "peak force times the linkage's size"] = np.abs(moment)
+    for name, body in state.scene.bodies.items():
+        own, com = [push for push in pushes if push.body == name], state.com(body)[0]
+        moments = (((push.at - com).conjugate() * push.force).imag + push.moment for push in own)
+        left["Newton", name, "peak force on the body"] = np.abs(sum(push.force for push in own))
+        left["Euler", name, "peak force times the linkage's size"] = np.abs(sum(moments))
     return left
 
 
-def _sizes(body: LoadedBody, arm: float) -> Iterator[float]:
-    """Yield the peaks of the forces on a body, N, and of the moments of loads and springs, by an arm."""
-    yield from (float(np.abs(force).max()) for force, _ in body.pushes)
-    yield from (float(np.abs(push.moment).max()) / arm for push in body.applied)
-
-
-def _powers(bodies: Mapping[str, LoadedBody]) -> Iterator[Samples]:
-    """Yield the power of each load, spring and weight, and less the rate of the kinetic energy of each body, W."""
-    for body in bodies.values():
-        yield from ((push.velocity.conjugate() * push.force).real + push.moment * body.omega for push in body.applied)
-        linear = -body.mass * (body.velocity * body.acceleration.conjugate()).real
-        yield linear - body.inertia * body.omega * body.alpha
+def _peaks(joints: Sequence[Push], loads: Sequence[Push], arm: float) -> dict[str, float]:
+    """By body the peak of the forces on it, N, and of the moments of loads and springs, by an arm."""
+    peaks: dict[str, float] = {}
+    for push in (*joints, *loads):
+        peaks[push.body] = max(peaks.get(push.body, 0.0), float(np.abs(push.force).max()))
+    for push in loads:
+        peaks[push.body] = max(peaks[push.body], float(np.abs(push.moment).max()) / arm)
+    return peaks

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
-from scenes.model.constraints import groups
+from scenes.model.constraints import blocks, groups
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Slide
 
@@ -32,8 +32,6 @@ from .motion_vectors import MotionVectors, Vectors
 
 Poses: TypeAlias = NDArray[np.float64]  # shape (n, bodies, 3), also of rates and accelerations
 Matrices: TypeAlias = NDArray[np.float64]  # shape (n, m, m)
-
-BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 class Constraint(NamedTuple):
@@ -95,14 +93,14 @@ class Constraints:
 
     def blocks(self, motion: Motion) -> Iterator[Motion]:
         """Yield a motion in pieces, of which the matrices fit in memory."""
-        rows = max(BLOCK // len(self.units) ** 2, 1)
-        for start in range(0, len(motion["time"]), rows):
-            yield Motion({channel: samples[start : start + rows] for channel, samples in motion.samples.items()})
+        for rows in blocks(self.poses(motion)):
+            yield Motion({channel: samples[rows] for channel, samples in motion.samples.items()})
 
     def condition(self, motion: Motion) -> Samples:
         """The condition number of J in the 2-norm at each sample of a motion, shape (n,)."""
+        q = self.poses(motion)
         with np.errstate(divide="ignore"):
-            return np.concatenate([np.linalg.cond(self.jacobian(self.poses(block))) for block in self.blocks(motion)])
+            return np.concatenate([np.linalg.cond(self.jacobian(q[rows])) for rows in blocks(q)])
 
     def closed(self, motion: Motion) -> ClosedPoses:
         """The poses of a motion after one step of Newton's onto the constraints, with their rates."""

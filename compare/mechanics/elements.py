@@ -3,7 +3,7 @@
 This is all that the judge knows of them: the balance of forces and moments of each body, and the power of each.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,105 +22,104 @@ from .turns import twist
 Element: TypeAlias = Load | Spring | TorsionSpring | Friction
 
 
-class AppliedForce(NamedTuple):
-    """A force, where it attacks, and how fast that point of the body moves; shape (n,), N, m, m/s; and a moment."""
+class Push(NamedTuple):
+    """A force on a body, N, where it attacks, m, and a moment, N m; arrays of shape (n,)."""
 
+    body: str
     force: Vectors
     at: Vectors
-    velocity: Vectors
-    name: str
-    moment: Samples | float = 0.0  # N m
+    moment: Samples | float = 0.0
+    velocity: Vectors | float = 0.0  # of that point of the body, m/s
+    name: str = ""
 
 
-class LoadedBody(NamedTuple):
-    """A body of a motion: what acts on it, and how it moves; arrays of shape (n,)."""
-
-    mass: float  # kg
-    inertia: float  # kg m^2, about the centre of mass
-    applied: Sequence[AppliedForce]
-    pushes: Sequence[tuple[Vectors, Vectors]]  # these and the forces of joints, with their points of attack
-    couple: Samples  # N m, of all
-    com: Vectors
-    velocity: Vectors  # of the centre of mass, as the acceleration
-    acceleration: Vectors
-    omega: Samples
-    alpha: Samples
-
-
-def applied(state: MotionVectors, body: Body) -> Iterator[AppliedForce]:
-    """Yield what acts on a body from without: loads, springs, friction, gravity."""
+def applied(state: MotionVectors) -> Iterator[Push]:
+    """Yield what acts on the bodies from without: loads, springs, friction, gravity."""
     scene = state.scene
     for element in (*(own for _, own in scene.elements), *scene.friction):
-        yield from of_element(state, element, body.name)
+        yield from of_element(state, element)
     if scene.gravity is not None:
-        z, v, _ = state.com(body)
-        weight = np.full(z.shape, (body.mass or 0.0) * complex(*scene.gravity))
-        yield AppliedForce(weight, z, v, f"the weight of {body.name}")
+        yield from (weight(state, body) for body in scene.bodies.values())
 
 
-def of_element(state: MotionVectors, element: Element, name: str) -> Iterator[AppliedForce]:
-    """Yield what a load, a spring or friction does on the body of a name."""
-    yield from _KINDS.get(type(element), _of_force)(state, element, name)
+def weight(state: MotionVectors, body: Body) -> Push:
+    """What gravity does on a body, if there is any."""
+    z, v, _ = state.com(body)
+    force = np.full(z.shape, (body.mass or 0.0) * complex(*(state.scene.gravity or ())))
+    return Push(body.name, force, z, 0.0, v, f"the weight of {body.name}")
 
 
-def _of_force(state: MotionVectors, load: Load, name: str) -> Iterator[AppliedForce]:
-    if load.body == name:
-        z, v, _ = state.point(load.at)
-        yield AppliedForce(force(state, load), z, v, f"the load at {load.at}")
+def of_element(state: MotionVectors, element: Element) -> Iterator[Push]:
+    """Yield what a load, a spring or friction does on the bodies; what it does on the ground is left out."""
+    yield from (push for push in _KINDS.get(type(element), _of_force)(state, element) if push.body != GROUND)
 
 
-def _of_guide_force(state: MotionVectors, load: GuideForce, name: str) -> Iterator[AppliedForce]:
-    yield from _of_force(state, load, name)
-    if name == state.scene.slides[load.body].on:
-        z = state.place(load.at)
-        yield AppliedForce(-force(state, load), z, state.carried(name, z), f"the reaction of the load at {load.at}")
+def generalised(state: MotionVectors, pushes: Iterable[Push], arm: float) -> Samples:
+    """The generalised forces of pushes, shape (n, 3 bodies): of each body its force by an arm, m, and its moment, N m.
+
+    Moments are about the first points of the bodies; what is on the ground does nothing.
+    """
+    order = {name: number for number, name in enumerate(state.scene.bodies)}
+    forces = np.zeros((len(state.motion["time"]), len(order), 3))
+    for push in (push for push in pushes if push.body in order):
+        lever = push.at - state.place(state.scene.bodies[push.body].points[0])
+        turning = (lever.conjugate() * push.force).imag + push.moment
+        own = np.broadcast_arrays(arm * push.force.real, arm * push.force.imag, turning)
+        forces[:, order[push.body]] += np.stack(own, axis=1)
+    return forces.reshape(len(forces), -1)
 
 
-def _of_moment(state: MotionVectors, load: Moment, name: str) -> Iterator[AppliedForce]:
-    if load.body == name:
-        yield _turning(state, load.at, f"the moment on {name}", _size(state, load, load.moment))
+def _of_force(state: MotionVectors, load: Load) -> Iterator[Push]:
+    z, v, _ = state.point(load.at)
+    yield Push(load.body, force(state, load), z, 0.0, v, f"the load at {load.at}")
 
 
-def _of_spring(state: MotionVectors, spring: Spring, name: str) -> Iterator[AppliedForce]:
+def _of_guide_force(state: MotionVectors, load: GuideForce) -> Iterator[Push]:
+    yield from _of_force(state, load)
+    z, on = state.place(load.at), state.scene.slides[load.body].on
+    name = f"the reaction of the load at {load.at}"
+    yield Push(on, -force(state, load), z, 0.0, state.carried(on, z), name)
+
+
+def _of_moment(state: MotionVectors, load: Moment) -> Iterator[Push]:
+    yield _turning(state, load.body, load.at, f"the moment on {load.body}", _size(state, load, load.moment))
+
+
+def _of_spring(state: MotionVectors, spring: Spring) -> Iterator[Push]:
     for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
-        if body == name:
-            z, v, _ = state.point(point)
-            towards = state.place(other) - z
-            distance = np.abs(towards)
-            unit = towards / np.where(distance > 0, distance, 1.0)
-            ends = " and ".join(".".join(end) for end in (spring.first, spring.second))
-            pull = spring.stiffness * (distance - spring.length)
-            if spring.damping is not None:
-                pull = pull + spring.damping * ((state.place(other, "v") - v) * unit.conj()).real
-            yield AppliedForce(pull * unit, z, v, f"the spring between {ends}")
+        z, v, _ = state.point(point)
+        towards = state.place(other) - z
+        distance = np.abs(towards)
+        unit = towards / np.where(distance > 0, distance, 1.0)
+        ends = " and ".join(".".join(end) for end in (spring.first, spring.second))
+        pull = spring.stiffness * (distance - spring.length)
+        if spring.damping is not None:
+            pull = pull + spring.damping * ((state.place(other, "v") - v) * unit.conj()).real
+        yield Push(body, pull * unit, z, 0.0, v, f"the spring between {ends}")
 
 
-def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring, name: str) -> Iterator[AppliedForce]:
+def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring) -> Iterator[Push]:
+    rate = state.turning(spring.second)[1] - state.turning(spring.first)[1]
+    on_second = spring.moment(twist(state, spring), rate)
     for body, sign in ((spring.first, -1), (spring.second, 1)):
-        if body == name:
-            rate = state.turning(spring.second)[1] - state.turning(spring.first)[1]
-            on_second = spring.moment(twist(state, spring), rate)
-            yield _turning(state, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
+        yield _turning(state, body, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
 
 
-def _of_pin_friction(state: MotionVectors, one: PinFriction, name: str) -> Iterator[AppliedForce]:
+def _of_pin_friction(state: MotionVectors, one: PinFriction) -> Iterator[Push]:
     pin, channel = one.pin(state.scene), one.channel(state.scene)
     for body, sign in ((pin.first, -1), (pin.second, 1)):
-        if body == name:
-            yield _turning(state, pin.point, f"the friction of {channel}", sign * state.motion[channel])
+        yield _turning(state, body, pin.point, f"the friction of {channel}", sign * state.motion[channel])
 
 
-def _of_guide_friction(state: MotionVectors, one: GuideFriction, name: str) -> Iterator[AppliedForce]:
-    slider, channel = state.scene.bodies[one.slider], one.channel(state.scene)
+def _of_guide_friction(state: MotionVectors, one: GuideFriction) -> Iterator[Push]:
+    slider, on, channel = state.scene.bodies[one.slider], state.scene.slides[one.slider].on, one.channel(state.scene)
     z, v, _ = state.point(slider.points[0])
     force, called = state.motion[channel] * state.along(slider), f"the friction of {channel}"
-    if name == one.slider:
-        yield AppliedForce(force, z, v, called)
-    elif name == state.scene.slides[one.slider].on:
-        yield AppliedForce(-force, z, state.carried(name, z), called)
+    yield Push(one.slider, force, z, 0.0, v, called)
+    yield Push(on, -force, z, 0.0, state.carried(on, z), called)
 
 
-_KINDS: Mapping[type, Callable[[MotionVectors, Any, str], Iterator[AppliedForce]]] = {
+_KINDS: Mapping[type, Callable[[MotionVectors, Any], Iterator[Push]]] = {
     GuideForce: _of_guide_force,
     Moment: _of_moment,
     Spring: _of_spring,
@@ -130,9 +129,9 @@ _KINDS: Mapping[type, Callable[[MotionVectors, Any, str], Iterator[AppliedForce]
 }
 
 
-def _turning(state: MotionVectors, at: str, name: str, moment: Samples | float) -> AppliedForce:
+def _turning(state: MotionVectors, body: str, at: str, name: str, moment: Samples | float) -> Push:
     z, v, _ = state.point(at)
-    return AppliedForce(np.zeros_like(z), z, v, name, moment + np.zeros(z.shape))
+    return Push(body, np.zeros_like(z), z, moment + np.zeros(z.shape), v, name)
 
 
 def force(state: MotionVectors, load: Load) -> Vectors:
@@ -167,34 +166,36 @@ def argument(state: MotionVectors, body: str, table: LoadCurve) -> Samples:
     return state.motion["time" if table.over == "time" else state.scene.drive_channel]
 
 
-def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:
-    """All bodies of a motion that has every channel, by name."""
-    scene, motion, names = state.scene, state.motion, (*state.scene.bodies, GROUND)
-    pushes: dict[str, list[tuple[Vectors, Vectors]]] = {name: [] for name in names}
-    couples = dict.fromkeys(names, np.zeros(motion["time"].shape))
+def inertial(state: MotionVectors) -> Iterator[Push]:
+    """Yield the inertia of each body as a force and a couple on it, against its accelerations (d'Alembert)."""
+    for name, body in state.scene.bodies.items():
+        z, v, a = state.com(body)
+        couple = -inertia(body) * state.angle(name, "alpha")
+        yield Push(name, -(body.mass or 0.0) * a, z, couple, v, f"the inertia of {name}")
 
-    def act(on: str, other: str, at: str, force: Vectors, couple: Samples | float = 0.0) -> None:
-        for name, sign in ((on, 1), (other, -1)):
-            pushes[name].append((sign * force, state.place(at)))
-            couples[name] = couples[name] + sign * couple
 
-    for pin in scene.pins:
-        act(pin.second, pin.first, pin.point, state.vector(f"{pin.channel}.", "fx", "fy"))
+def of_joints(state: MotionVectors) -> Iterator[Push]:
+    """Yield what pins, guides and the drive do on the bodies that they are between."""
+    scene, motion = state.scene, state.motion
+    between: list[tuple[str, str, str, Vectors, Samples | float]] = [
+        (pin.second, pin.first, pin.point, state.vector(f"{pin.channel}.", "fx", "fy"), 0.0) for pin in scene.pins
+    ]
     for name, slide in scene.slides.items():
-        force = motion[f"{name}.guide_force"] * 1j * state.along(scene.bodies[name])
-        act(name, slide.on, scene.bodies[name].points[0], force, motion[f"{name}.guide_moment"])
+        across = motion[f"{name}.guide_force"] * 1j * state.along(scene.bodies[name])
+        between.append((name, slide.on, scene.bodies[name].points[0], across, motion[f"{name}.guide_moment"]))
     driven, effort = scene.bodies[scene.drive.body], motion[scene.effort_channel]
-    push: Vectors = np.zeros(effort.shape, np.complex128) if driven.slide is None else effort * state.along(driven)
-    torque = effort if driven.slide is None else 0.0
-    act(driven.name, scene.drive_on, driven.points[0], push, torque)
-    moving = {}
-    for name, body in scene.bodies.items():
-        own = [*applied(state, body)]
-        every = [*pushes[name], *((push.force, push.at) for push in own)]
-        couple = couples[name] + sum(push.moment for push in own)
-        weights, turning = (body.mass or 0.0, inertia(body)), state.turning(name)[1:]
-        moving[name] = LoadedBody(*weights, own, every, couple, *state.com(body), *turning)
-    return moving
+    turns = driven.slide is None
+    push: Vectors = np.zeros(effort.shape, np.complex128) if turns else effort * state.along(driven)
+    between.append((driven.name, scene.drive_on, driven.points[0], push, effort if turns else 0.0))
+    for on, other, point, force, moment in between:
+        at = state.place(point)
+        both = Push(on, force, at, moment), Push(other, -force, at, -moment)
+        yield from (push for push in both if push.body != GROUND)
+
+
+def power_of(state: MotionVectors, push: Push) -> Samples:
+    """The power of what acts on a body from without, or of its inertia, W."""
+    return (push.velocity.conjugate() * push.force).real + push.moment * state.angle(push.body, "omega")
 
 
 def drive_power(state: MotionVectors) -> Samples:

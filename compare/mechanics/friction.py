@@ -1,7 +1,6 @@
 """Friction as the judge has it: what a motion's own channels of it do to the bodies, and what its law asks of them."""
 
 from collections.abc import Mapping
-from itertools import product
 from math import atan, sin
 
 import numpy as np
@@ -11,7 +10,7 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import Friction, PinFriction
 
-from .elements import of_element
+from .elements import generalised, of_element
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
 
@@ -81,12 +80,8 @@ def contraction(mechanics: Mechanics, motion: Motion) -> Samples:
     for part in constraints.blocks(motion):
         ones = dict.fromkeys(mechanics.friction, np.ones_like(part["time"]))
         unit = MotionVectors(scene, Motion({**part.samples, **ones}))
-        pushes = np.zeros((len(part["time"]), len(scene.friction), len(scene.bodies), 3))
-        for (j, one), (b, body) in product(enumerate(scene.friction), enumerate(scene.bodies.values())):
-            for force, at, _, _, moment in of_element(unit, one, body.name):
-                about = ((at - unit.place(body.points[0])).conjugate() * force).imag + moment
-                pushes[:, j, b] += np.stack([mechanics.size * force.real, mechanics.size * force.imag, about], axis=1)
-        changes = pushes.reshape(*pushes.shape[:2], -1) @ constraints.closed(part).inverse / constraints.units
+        of_each = [generalised(unit, of_element(unit, one), mechanics.size) for one in scene.friction]
+        changes = np.stack(of_each, axis=1) @ constraints.closed(part).inverse / constraints.units
         forces = dict(zip(mechanics.forces, np.moveaxis(changes, -1, 0), strict=True))
         gains = np.stack([load(scene, one, forces) for one in scene.friction], axis=1)
         found.append(np.abs(np.linalg.eigvals(gains * [*map(coefficient, scene.friction)])).max(axis=1))

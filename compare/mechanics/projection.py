@@ -16,9 +16,8 @@ import numpy as np
 from scenes import Motion
 from scenes.model.motion import Samples
 
-from .bodies import inertia
 from .constraints import ClosedPoses, Matrices, planes
-from .elements import applied
+from .elements import applied, generalised, inertial
 from .friction import by_law
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
@@ -82,7 +81,9 @@ def _loads(
     units = mechanics.constraints.units
 
     def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
-        multipliers = (inverse.swapaxes(1, 2) @ _needed(mechanics, replace(own, acting=acting)))[..., 0] / units
+        loaded = replace(own, acting=acting)
+        pushes = generalised(loaded, (*inertial(loaded), *applied(loaded)), mechanics.size)  # Q - M q''
+        multipliers = -(inverse.swapaxes(1, 2) @ pushes[..., np.newaxis])[..., 0] / units
         forces = dict(zip(mechanics.forces, multipliers.T, strict=True))
         given = [(channel, unit) for channel, unit in zip(forces, units, strict=True) if channel in motion]
         off = [unit * np.abs(forces[channel] - motion[channel]) for channel, unit in given]
@@ -91,16 +92,3 @@ def _loads(
 
     may = [np.concatenate(both) for both in zip(own.acts(ends), computed.acts(ends), strict=True)]
     return fitted(mechanics.presses, may, misfit)
-
-
-def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
-    """M q'' - Q, shape (n, m, 1): what joints and drive do on each body; forces and moments at its first point."""
-    needed: list[Samples] = []
-    for body in mechanics.scene.bodies.values():
-        first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
-        force, alpha = (body.mass or 0.0) * acceleration, state.angle(body.name, "alpha")
-        moment = inertia(body) * alpha + ((com - first).conjugate() * force).imag
-        for push in applied(state, body):
-            force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag - push.moment
-        needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]
-    return np.stack(needed, axis=1)[..., np.newaxis]

@@ -79,8 +79,7 @@ def explain(reference: Reference, sampling: Rows) -> Explained:
 def _forces(mechanics: Mechanics, true: Motion) -> dict[str, Samples]:
     """The magnitudes of all forces on the bodies, N, each of shape (n,), with those of joints by channel."""
     everything = [np.ones(true["time"].shape, bool) for _ in mechanics.presses]
-    state, bodies = MotionVectors(mechanics.scene, true, everything), mechanics.scene.bodies.values()
-    pushes = (push for body in bodies for push in applied(state, body) if mechanics.forces)
+    pushes = applied(MotionVectors(mechanics.scene, true, everything)) if mechanics.forces else ()
     joints = {c: np.abs(true[c]) for c in mechanics.forces if c in true and mechanics.units[c] == "N"}
     loads = {push.name: np.abs(push.force) + np.abs(push.moment) / mechanics.size for push in pushes}
     return loads | {f"the force {c}": size for c, size in joints.items()}

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,24 +22,15 @@ from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import GROUND
 
 from ...mechanics.bodies import weights
-from ...mechanics.elements import Element, of_element
+from ...mechanics.elements import Push, generalised, of_element, weight
 from ...mechanics.friction import by_law
-from ...mechanics.motion_vectors import MotionVectors, Vectors, press_forces
+from ...mechanics.motion_vectors import MotionVectors, press_forces
 from .cause import Cause, Kind
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
 from .scene_numbers import joint, load_name, load_place
 
 ROUNDS = 8  # of friction by the joints' forces: what each leaves over is some thousandths of that before
 ROWS_LATE = (0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0)
-
-
-class Push(NamedTuple):
-    """A force on a body, N, where it attacks, m, and a moment, N m, each of shape (n,)."""
-
-    body: str
-    force: Vectors
-    at: Vectors
-    moment: Samples | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -50,12 +40,11 @@ class Carried(MotionVectors):
     evidence: Evidence = field(kw_only=True)
 
     @cached_property
-    def _of_coordinates(self) -> NDArray[np.float64]:
-        """The force channels for a unit of each coordinate's share of M q'' - Q, shape (n, channels, coordinates)."""
+    def _inverse(self) -> NDArray[np.float64]:
+        """That of the Jacobian, by the units of the constraints, shape (n, coordinates, channels)."""
         constraints = self.evidence.reference.mechanics.constraints
-        size = np.tile([constraints.size, constraints.size, 1.0], len(self.scene.bodies))
-        inverse = np.concatenate([constraints.closed(part).inverse for part in constraints.blocks(self.motion)])
-        return np.asarray(inverse.swapaxes(1, 2) / constraints.units[:, np.newaxis] * size)
+        closed = [constraints.closed(part).inverse for part in constraints.blocks(self.motion)]
+        return np.asarray(np.concatenate(closed) / constraints.units)
 
     def change(self, *pushes: Push) -> Channels:
         """Return by how much the force channels change where bodies are pushed, and friction by its law with them.
@@ -73,33 +62,23 @@ class Carried(MotionVectors):
 
     def _of(self, *pushes: Push) -> Channels:
         """Return by how much the force channels change where bodies are pushed; on the ground it is nothing."""
-        order = {name: number for number, name in enumerate(self.scene.bodies)}
-        needed = np.zeros((len(self.evidence.rows), len(order), 3))
-        for body, force, at, moment in (push for push in pushes if push.body != GROUND):
-            arm = at - self.place(self.scene.bodies[body].points[0])
-            about = np.imag(np.conj(arm) * force) + moment
-            needed[:, order[body]] -= np.stack(np.broadcast_arrays(np.real(force), np.imag(force), about), axis=1)
-        changed = np.einsum("ncm,nm->nc", self._of_coordinates, needed.reshape(len(needed), -1))
+        forces = generalised(self, pushes, self.evidence.reference.mechanics.size)
+        changed = -np.einsum("nm,nmc->nc", forces, self._inverse)
         return dict(zip(force_channels(self.scene), changed.T, strict=True))
 
     def instead(
         self, of: Load | TorsionSpring, text: str, *pushes: Push, by: Sequence[float] = (), names: Sequence[str] = ()
     ) -> Hypothesis:
         """Return other pushes in place of those of a load or a spring."""
-        own = (Push(push.body, -push.force, push.at, -push.moment) for push in self.pushes(of))
+        own = (Push(push.body, -push.force, push.at, -push.moment) for push in of_element(self, of))
         predicted = self.evidence.changed((1.0,), [self.change(*own, *pushes)])
         kind, place = Kind.spring if isinstance(of, TorsionSpring) else Kind.load, load_place(of)
         return Hypothesis(Cause(kind, place, text, tuple(by), tuple(names)), predicted, len(by))
 
-    def pushes(self, element: Element) -> list[Push]:
-        """Return what a load, a spring or friction does on the bodies."""
-        each = ((name, push) for name in self.scene.bodies for push in of_element(self, element, name))
-        return [Push(name, push.force, push.at, push.moment) for name, push in each]
-
     @property
     def resisting(self) -> list[Push]:
         """What all friction does on the bodies."""
-        return [push for one in self.scene.friction for push in self.pushes(one)]
+        return [push for one in self.scene.friction for push in of_element(self, one)]
 
 
 def _carried(evidence: Evidence, motion: Motion) -> Carried:
@@ -115,10 +94,11 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
             if load.table is not None:
                 rows = {f"loads.{number}.table.{row}.1": f for row, f in enumerate(load.table.values[::-1])}
                 other = carried.scene.with_numbers(rows).loads[number]
-                yield carried.instead(load, f"the table of {load_name(load)} is backwards", *carried.pushes(other))
+                yield carried.instead(load, f"the table of {load_name(load)} is backwards", *of_element(carried, other))
         for spring in carried.scene.torsion_springs:
             text = "the torsion spring {place} acts on {one} alone"
-            for push in (pushes := carried.pushes(spring)) * (len(pushes) > 1):
+            pushes = [*of_element(carried, spring)]
+            for push in pushes if len(pushes) > 1 else ():
                 yield carried.instead(spring, text, push, names=(push.body,))
         yield from _switches(carried)
         yield from _shares(carried)
@@ -131,10 +111,10 @@ def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
     scene, body = carried.scene, load.body
     if isinstance(load, Force | TableForce):
         turns = load.frame == "ground"
-        turning = carried.pushes(replace(load, frame="body" if turns else "ground"))
+        turning = of_element(carried, replace(load, frame="body" if turns else "ground"))
         text = f"the load at {{place}} {'turns' if turns else 'does not turn'} with {{one}}"
         yield carried.instead(load, text, *turning, names=(body,))
-    (_, force, at, moment), *reaction = sorted(carried.pushes(load), key=lambda push: push.body != body)
+    (_, force, at, moment, *_), *reaction = sorted(of_element(carried, load), key=lambda push: push.body != body)
     if isinstance(load, Moment):
         for owner in scene.turning:
             push = Push(owner, force, at, moment)
@@ -161,7 +141,7 @@ def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
         if late := evidence.late(by):
             before = _carried(evidence, Motion(late))
             for load in moving:
-                pairs = zip(before.pushes(load), carried.pushes(load), strict=True)
+                pairs = zip(of_element(before, load), of_element(carried, load), strict=True)
                 pushes = (then._replace(at=now.at) for then, now in pairs)
                 yield carried.instead(load, "the load at {place} is {late}", *pushes, by=(by,))
 
@@ -191,11 +171,9 @@ def _switches(carried: Carried) -> Iterator[Hypothesis]:
 def _shares(carried: Carried) -> Iterator[Hypothesis]:
     """Yield gravity on one body, and m s w² of all bodies, with another share of it."""
     scene, outwards = carried.scene, list[Push]()
-    for name, body in scene.bodies.items() if scene.gravity is not None else ():
-        com = carried.com(body)[0]
-        weight = Push(name, np.full(com.shape, (body.mass or 0.0) * complex(*(scene.gravity or ()))), com)
+    for name, body in scene.bodies.items() if scene.gravity else ():
         cause = Cause(Kind.gravity, name, "gravity on {place} is {percent}")
-        yield carried.evidence.with_amounts(cause, carried.change(weight))
+        yield carried.evidence.with_amounts(cause, carried.change(weight(carried, body)))
     for name in scene.turning:
         body = scene.bodies[name]
         own, (angle, omega, _) = weights(scene, body), carried.turning(name)

@@ -4,7 +4,6 @@ from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import product
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from scenes.scene import ConstantSpeed
 
 from ...engines import registry
 from ...mechanics.axis import axis, cycle_name
-from ...mechanics.elements import drive_power, of_element
+from ...mechanics.elements import drive_power, of_element, power_of
 from ...mechanics.friction import contraction, rate, resting
 from ...mechanics.motion_vectors import MotionVectors
 from ...study import Study
@@ -92,11 +91,8 @@ def _efficiency(study: Study) -> Iterator[str]:
 def _of_loads(study: Study) -> Samples:
     """The power of all loads on the bodies in a cycle, W."""
     state = MotionVectors(study.scene, study.reference.cycle).pressed(study.reference.stroke_ends)
-    power = np.zeros_like(state.motion["time"])
-    for body, load in product(study.scene.bodies, study.scene.loads):
-        for push in of_element(state, load, body):
-            power += (push.velocity.conjugate() * push.force).real + push.moment * state.turning(body)[1]
-    return power
+    of_each = (power_of(state, push) for load in study.scene.loads for push in of_element(state, load))
+    return sum(of_each, np.zeros_like(state.motion["time"]))
 
 
 def frictionless(scene: Scene, motion: Motion) -> Samples:

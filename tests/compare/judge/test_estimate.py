@@ -10,7 +10,6 @@ from compare.engines import registry
 from compare.engines.runner import run
 from compare.judge.checks import checks, estimate
 from compare.judge.measure import checked_run, measure
-from compare.mechanics import constraints as constraints_module
 from compare.mechanics.constraints import Constraints
 from compare.mechanics.mechanics import GROUPS, SHOWN_GROUPS, Mechanics
 from compare.mechanics.projection import projected
@@ -138,7 +137,7 @@ def test_a_long_motion_is_taken_in_blocks(
     reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = projected(reference.mechanics, motion)
-    monkeypatch.setattr(constraints_module, "BLOCK", 10 * 15**2)
+    monkeypatch.setattr("scenes.model.constraints.BLOCK", 10 * 15**2)
     blocks = projected(reference.mechanics, motion)
     assert np.array_equal(whole.branch, blocks.branch)
     assert np.array_equal(whole.condition, blocks.condition)
