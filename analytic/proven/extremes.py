@@ -20,6 +20,7 @@ AT_ONCE = 256  # boxes, which take about as long as a single one
 FEWEST, MOST = 4, 64  # parts of a box
 FLAT = 1e-9  # of the largest value of a row's kind: what changes by less is zero, or the same, but for round-off
 ROUGHLY = 1e-6  # of that value: how closely such a row is known, whose boxes all hold its extremes
+ONE_PLACE = 1e-3  # of the way: an extreme that may be in places as near as that is in one that has them all
 DECIDED = 8  # rests of a single position, as most are: what doubles can decide
 
 Span: TypeAlias = tuple[float, float]
@@ -51,8 +52,11 @@ class _Boxes(NamedTuple):
         most, attained = np.where(unknown, np.inf, top + off), np.where(unknown | fails | assumed, -np.inf, top - off)
         return cls(low[own], high[own], c, rest, most, attained, doubtful, fails)
 
-    def within(self, attained: Samples) -> tuple[Numbers, Samples, Samples]:
-        """The parts of boxes where rows may attain values, shape (2, rows): of which row, from where and to where."""
+    def within(self, attained: Samples, most: Samples) -> tuple[Numbers, Samples, Samples, Any]:
+        """The parts of boxes where rows may attain values, shape (2, rows): of which row, from where and to where.
+
+        With them whether the row is known to be there as near to that as it can be more than that elsewhere.
+        """
         sense, row, box = np.nonzero((self.most >= attained[..., np.newaxis]) & ~self.fails)
         c0, c1, c2 = (self.c[sense, k, row, box] for k in range(3))
         over = c0 + self.rest[row, box] + np.abs(self.c[sense, 3:, row, box]).sum(axis=1) - attained[sense, row]
@@ -65,7 +69,8 @@ class _Boxes(NamedTuple):
                 middle + half * np.where((c2 < 0) & np.isfinite(over), np.clip((c1 + s * root) / (-2 * c2), -1, 1), s)
                 for s in (-1, 1)
             )
-        return sense * attained.shape[1] + row, np.maximum(first - off, low), np.minimum(last + off, high)
+        holds = self.attained[sense, row, box] >= (2 * attained - most)[sense, row]
+        return sense * attained.shape[1] + row, np.maximum(first - off, low), np.minimum(last + off, high), holds
 
 
 def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
@@ -73,8 +78,9 @@ def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
 
     The bounds have the shape (4, 2, rows), the least values before the largest: an extreme is between the first two,
     infinite where nothing is known and else as near to each other as `accuracy`, of the row's range, asks for and
-    doubles can decide; it is on the part of the way between the others, the first that may hold it. Conditions are to
-    be positive; what is given is the first part of the way where one may not be.
+    doubles can decide; it is on the part of the way between the others, the first that is known to hold it, to as much
+    as these differ, or else that may. Conditions are to be positive; what is given is the first part of the way where
+    one may not be.
     """
     low, high = boxes.divided(FIRST)
     way, rows = high.max() - low.min(), len(boxes.names)
@@ -99,7 +105,7 @@ def extremes(boxes: Boxes, accuracy: float) -> tuple[Samples, Span | None]:
         low, high = low[divided], high[divided]
         if not len(low):
             every = _Boxes(*(np.concatenate(each, axis=-1) for each in zip(*done, strict=True)))
-            return _enclosed(every, attained, LEAST * way)
+            return _enclosed(every, attained, way)
         low, high = cut(low, high, int(np.clip(AT_ONCE // len(low), FEWEST, MOST)))
 
 
@@ -112,23 +118,26 @@ def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
     return np.where(np.isfinite(span), np.where(span > FLAT * size[kinds], accuracy * span, flat), 0.0)
 
 
-def _enclosed(boxes: _Boxes, attained: Samples, apart: float) -> tuple[Samples, Span | None]:
+def _enclosed(boxes: _Boxes, attained: Samples, way: float) -> tuple[Samples, Span | None]:
     """What `extremes` gives by boxes with all the way."""
     most = np.maximum(attained, np.where(boxes.fails, -np.inf, boxes.most).max(axis=-1))
-    which, begins, ends = boxes.within(attained)
-    edges = np.searchsorted(which, np.arange(attained.size + 1))
-    parts = [_first(begins[a:b], ends[a:b], apart) or (np.nan, np.nan) for a, b in pairwise(edges)]
+    which, begins, ends, holds = boxes.within(attained, most)
+    edges = pairwise(np.searchsorted(which, np.arange(attained.size + 1)))
+    parts = [_first(begins[a:b], ends[a:b], holds[a:b], ONE_PLACE * way) or (np.nan, np.nan) for a, b in edges]
     places = np.reshape(parts, (*attained.shape, 2)).transpose(2, 0, 1)
     bounds = np.array([[-most[0], attained[1]], [-attained[0], most[1]], *places])
     unsure = boxes.doubtful & ~boxes.fails
-    several = (unsure, apart), (boxes.fails, -np.inf)  # of those that fail the first box alone
-    spans = (_first(boxes.low[some], boxes.high[some], gap) for some, gap in several)
+    several = (unsure, LEAST * way), (boxes.fails, -np.inf)  # of those that fail the first box alone
+    spans = (_first(boxes.low[some], boxes.high[some], some[some], gap) for some, gap in several)
     return bounds, min((span for span in spans if span), default=None)
 
 
-def _first(begins: Samples, ends: Samples, apart: float) -> Span | None:
-    """The first of what some parts of the way are joined to; None where there are none."""
+def _first(begins: Samples, ends: Samples, holds: Any, apart: float) -> Span | None:
+    """The first of what some parts of the way are joined to, if there is one, that has what it should; None of none."""
     order = np.argsort(begins)
     begins, reach = begins[order], np.maximum.accumulate(ends[order])
-    gaps = np.flatnonzero(begins[1:] > reach[:-1] + apart)
-    return (float(begins[0]), float(reach[gaps[0]] if gaps.size else reach[-1])) if len(begins) else None
+    starts = np.flatnonzero(np.append(begins[:1] == begins[:1], begins[1:] > reach[:-1] + apart))
+    if not len(starts):
+        return None
+    first = int(np.logical_or.reduceat(holds[order], starts).argmax())
+    return float(begins[starts[first]]), float(reach[np.append(starts, len(order))[first + 1] - 1])
