@@ -28,6 +28,10 @@ TOLERANCE = dict.fromkeys(("time", "crank_angle", "displacement", "x", "angle", 
     ("ax", "alpha", "fx", "torque"), FORCES
 )
 
+NOTHING = (
+    1e-9  # of the forces, at their arms and speeds: friction that is less is round-off, where joints carry nothing
+)
+
 
 def kind(channel: str) -> str:
     """Return what channels of one unit and one size have in common."""
@@ -52,6 +56,8 @@ def scales(samples: Channels, mass: float = 0.0) -> dict[str, float]:
     acceleration = max(found.get("ax", 0.0), speed**2 / span)
     force = max(found.get("fx", 0.0), mass * speed**2 / span)
     least = {"omega": turning, "alpha": turning**2, "ax": acceleration, "fx": force, "torque": force * span}
+    of_friction = {"friction_force": force, "friction_moment": force * span, "power": force * speed}
+    least |= {of: NOTHING * size for of, size in of_friction.items()}
     return {of: max(size, least.get(of, 0.0)) or 1.0 for of, size in found.items()}
 
 
