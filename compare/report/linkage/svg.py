@@ -28,8 +28,7 @@ PATH = 300  # points of a path, at most
 GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
 HEAD = 11  # px, of an arrow
 ACTION = 70  # px to each side, of the line on which the force of a pin with friction acts
-HATCH = 9  # px between two lines of a hatching
-TO_NAME = 18  # px from a point to its name
+HATCH, TO_NAME = 9, 18  # px between two lines of a hatching; from a point to its name
 DIRECTIONS = np.exp(1j * np.pi / 4 * np.array([-1, 1, 3, -3, 0, 2, 4, -2]))  # of names, the better ones first
 
 
