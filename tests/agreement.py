@@ -28,9 +28,8 @@ TOLERANCE = dict.fromkeys(("time", "crank_angle", "displacement", "x", "angle", 
     ("ax", "alpha", "fx", "torque"), FORCES
 )
 
-NOTHING = (
-    1e-9  # of the forces, at their arms and speeds: friction that is less is round-off, where joints carry nothing
-)
+# Of the forces, at their arms and speeds: friction that is less is round-off, of joints that carry nothing.
+NOTHING = 1e-6
 
 
 def kind(channel: str) -> str:
