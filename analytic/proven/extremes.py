@@ -134,10 +134,10 @@ def _enclosed(boxes: _Boxes, attained: Samples, way: float) -> tuple[Samples, Sp
 
 def _first(begins: Samples, ends: Samples, holds: Any, apart: float) -> Span | None:
     """The first of what some parts of the way are joined to, if there is one, that has what it should; None of none."""
+    if not len(begins):
+        return None
     order = np.argsort(begins)
     begins, reach = begins[order], np.maximum.accumulate(ends[order])
-    starts = np.flatnonzero(np.append(begins[:1] == begins[:1], begins[1:] > reach[:-1] + apart))
-    if not len(starts):
-        return None
+    starts = np.flatnonzero(np.append(True, begins[1:] > reach[:-1] + apart))
     first = int(np.logical_or.reduceat(holds[order], starts).argmax())
     return float(begins[starts[first]]), float(reach[np.append(starts, len(order))[first + 1] - 1])

@@ -49,7 +49,8 @@ const solve = (number, rows, by = line) => {
 };
 const gaps = open => { // at some samples, what does not close
   const { joints, text, numbers: paths, given: names } = bench.gaps, rows = joints.map(() => new Float64Array(count));
-  compiled(text)(paths.map(path => edited[index[path]]), names.map(name => given[name]), rows, count);
+  const all = inputs(edited), own = names.map(name => all[Object.keys(given).indexOf(name)]);
+  compiled(text)(paths.map(path => edited[index[path]]), own, rows, count);
   return [...new Set(open.map(n => joints[rows.findIndex(row => !(row[n] >= 0))]))];
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
