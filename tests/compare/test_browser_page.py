@@ -16,12 +16,12 @@ pytestmark = pytest.mark.browser
 
 WIDTHS = (390, 1400, 1920)  # px
 LEGIBLE = 4.5  # contrast, by WCAG 2.1 AA
-SLOWER = 3.0  # times the first contentful paint of an empty page
+SLOWER = 2.2  # times the first contentful paint of an empty page; 1.8 measured, 2.9 where all is laid out first
 LONGER, THROTTLE = (
     3.0,
     4,
 )  # a figure's longest task over that of the page itself: 1.7 measured, 77 by plotly's script
-LOADS, ROUNDS = 5, 4  # the median of some loads; 2.6 measured, and up to 3.8 while other programs run, hence again
+LOADS, ROUNDS = 9, 5  # the median of some loads; again, since other programs run
 
 TASKS = """window.tasks = [];
 const noted = list => list.getEntries().forEach(({ startTime, duration }) => tasks.push([startTime, duration]));
@@ -145,7 +145,7 @@ def test_paper_has_every_column(report: "Page") -> None:
 
 
 @pytest.mark.slow
-def test_first_paint_is_no_later_than_three_empty_pages(browser: "Browser", press_report: Path, tmp_path: Path) -> None:
+def test_first_paint_is_about_as_late_as_two_empty_pages(browser: "Browser", press_report: Path, tmp_path: Path) -> None:
     empty = tmp_path / "empty.html"
     empty.write_text("<!doctype html><title>empty</title><p>empty")
     ratios: list[float] = []
