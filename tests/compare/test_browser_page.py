@@ -145,7 +145,7 @@ def test_paper_has_every_column(report: "Page") -> None:
 
 
 @pytest.mark.slow
-def test_first_paint_is_about_as_late_as_two_empty_pages(browser: "Browser", press_report: Path, tmp_path: Path) -> None:
+def test_first_paint_takes_about_two_empty_pages(browser: "Browser", press_report: Path, tmp_path: Path) -> None:
     empty = tmp_path / "empty.html"
     empty.write_text("<!doctype html><title>empty</title><p>empty")
     ratios: list[float] = []

@@ -113,6 +113,10 @@ class Drawing:
         """Places, m, in the picture's units, x to the right and i times y downwards."""
         return np.asarray(self.per_metre * (places - self.corner).conj())
 
+    def drawn(self, arrow: Arrow) -> Vectors:
+        """A force from where it attacks, in the picture's units."""
+        return np.asarray(self.per_metre * self.per_newton * arrow.force.conj())
+
     def own(self, body: Body) -> dict[str, complex]:
         """A body's points in its own frame from the first, in the picture's units."""
         first = self.places[body.points[0]][0]

@@ -214,7 +214,7 @@ def circles(root: Element, drawing: Drawing) -> Iterator[Mover]:
 def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
     """Draw a force as an arrow from where it attacks, or a load as one that ends there."""
     place = drawing.units(drawing.places[force.point] + drawing.larger * force.aside)
-    way = drawing.per_metre * drawing.per_newton * np.conj(force.force)
+    way = drawing.drawn(force)
     group, length = SubElement(root, "g", {"class": "force load" if force.load else "force"}), np.abs(way)
     SubElement(group, "title").text = force.name
     shaft, head = SubElement(group, "g"), SubElement(group, "g")
@@ -241,13 +241,16 @@ def _around(drawing: Drawing, body: Body) -> tuple[str, ...]:
 
 
 def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> complex:
-    """The direction from a point, x to the right and i times y downwards, that bodies leave free the longest."""
+    """The direction from a point, x to the right and i times y downwards, that all else leaves free the longest."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, 24).astype(int)
     at = {name: drawing.units(places[rows]) for name, places in drawing.places.items()}
     names = at[point] + 1.2 * TO_NAME * PX * DIRECTIONS[:, np.newaxis]
     gaps = [np.abs(names - other) for name, other in at.items() if name != point]
     for outline in around:
         gaps += [np.abs(names - _foot(names, at[start], at[end])) for start, end in pairwise(outline)]
+    for force in drawing.arrows:
+        way = (-1 if force.load else 1) * np.nan_to_num(drawing.drawn(force)[rows])
+        gaps.append(np.abs(names - _foot(names, at[force.point], at[force.point] + way)))
     if point in drawing.scene.ground:
         gaps.append(np.abs(names - at[point] - 15j * PX))
     near = np.minimum(np.min(gaps, axis=0), TO_NAME * PX) if gaps else np.ones((len(DIRECTIONS), 1))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare.mechanics.reference import uncertified
-from compare.report.linkage.drawing import Drawing
+from compare.report.linkage.drawing import PX, Drawing
 from compare.report.linkage.svg import FRAMES, by_itself, picture
 from scenes import Motion, Scene
 from scenes.model.motion import quantity
@@ -122,6 +122,24 @@ def test_a_load_ends_where_it_attacks_and_a_force_begins_there(references: Refer
     _, shaft, head = next(arrow for name, arrow in arrows.items() if name.startswith("load"))
     assert numbers(head.get("transform"))[:2] == [0, 0]
     assert numbers(next(shaft.iter(f"{SVG}path")).get("d"))[0] == -1
+
+
+def test_names_stand_clear_of_the_forces(references: References) -> None:
+    motion = commanded(references("toggle_press"))
+    row = int(np.hypot(motion["P1.fx"], motion["P1.fy"]).argmax())
+    drawing, root = drawn(
+        references("toggle_press").scene, Motion({c: v[row : row + 1] for c, v in motion.samples.items()})
+    )
+    shafts = []
+    for arrow in drawing.arrows:
+        size = drawing.per_metre * drawing.per_newton * complex(arrow.force[0]).conjugate()
+        start = complex(drawing.units(drawing.places[arrow.point])[0])
+        shafts.append(start + np.linspace(-1 if arrow.load else 0, 0 if arrow.load else 1, 99) * size)
+    for group in root.iter(f"{SVG}g"):
+        if (name := group.find(f"{SVG}text[@class='sign name']")) is not None:
+            side = complex(float(name.get("x", "")), float(name.get("y", "")) - 5)  # px, from the pin to the name
+            place = placed(group, [side * PX])[0]
+            assert min(abs(shaft - place).min() for shaft in shafts) > 7 * PX, name.text  # half of its height
 
 
 def test_a_scene_without_masses_has_no_forces() -> None:
