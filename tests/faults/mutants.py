@@ -59,6 +59,8 @@ def mutants(module: str, functions: tuple[str, ...] = ()) -> list[Mutant]:
     for number, (name, node, kind, _) in enumerate(_changes(ast.parse("\n".join(lines)))):
         if (not functions or name in functions) and _replaceable(module, name):
             found.append(Mutant(module, name, number, kind, lines[node.lineno - 1].strip()))
+    missing = set(functions) - {mutant.function for mutant in found}
+    assert not missing, f"{module} has no {missing}, or nothing in it to change"
     return found
 
 
