@@ -155,7 +155,7 @@ def _certified(case: Case, reference: Reference, sampling: Sampling, explained: 
 
 def _counted(row: Row, reference: Reference) -> Row:
     """The reference's row with the digits that it loses by group, and those that the condition allows."""
-    groups = digits_lost(reference).set_index("group")[["lost", "allowed"]].to_dict("index")
+    groups = digits_lost(reference)
     figures = {f"{group}_{name}": value for group, of in groups.items() for name, value in of.items()}
     over = [f"{group} loses {of['lost']:.1f} digits" for group, of in groups.items() if not of["lost"] <= of["allowed"]]
     wrong = {"outcome": str(Outcome.silent), "reason": "; ".join(over)} if over else {}

@@ -18,10 +18,9 @@ How both go with kappa, the condition of the position's Jacobian J alone, is in 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import groupby
-from math import inf, log10
+from math import log10
 
 import numpy as np
-import pandas as pd
 
 from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
 from scenes.fields import put
@@ -42,18 +41,17 @@ EQUALLY = 12  # positions over a cycle, besides those about the nearest lock
 AROUND = np.geomspace(1e-6, 3e-2, 8)  # of a cycle: on either side of it, on the scale of any distance from 1e-11
 
 
-def digits_lost(reference: Reference) -> pd.DataFrame:
-    """One row a channel group: what the problem's condition allows, and what the reference loses.
+def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
+    """By channel group how many digits the reference has `lost`, and how many are `allowed` by the problem's condition.
 
     Where the speed is constant this is at equally spaced positions, at the one nearest to a lock, and close around it;
     the switches of press forces, where forces jump and have no condition, are left out. Failure where one of the two
     models does not solve the scene.
     """
-    scene, mechanics, to_lock = reference.scene, reference.mechanics, inf
+    scene, mechanics = reference.scene, reference.mechanics
     request: Request = Sampling(EQUALLY)
     if isinstance(scene.drive, ConstantSpeed):
-        nearest, to_lock = nearest_lock(reference)
-        request = Positions(tuple(positions(scene, nearest).tolist()))
+        request = Positions(tuple(positions(scene, nearest_lock(reference)).tolist()))
     true = _certified(scene, request)
     decided, peak = np.ones(true["time"].shape, bool), {c: float(magnitude(true, c).max()) for c in mechanics.units}
     size = {c: value if value > ZERO * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
@@ -61,28 +59,20 @@ def digits_lost(reference: Reference) -> pd.DataFrame:
     motion = reference.at(true[scene.drive_channel], true["time"])
     errors = {c: np.where(decided, error, -1.0) for c, error in relative_errors(motion, true, size).items()}
     changes = _changes(scene, request, true, size)
-    known = {"to_lock": to_lock, "kappa": float(mechanics.constraints.condition(true).max())}
-    table = []
+    digits = {}
     for group in SHOWN_GROUPS:
         if mine := [channel for channel in errors if mechanics.groups[channel] == group]:
-            worst = max(mine, key=lambda channel: float(errors[channel].max()))
-            row = int(errors[worst].argmax())
+            worst = float(np.max([errors[channel] for channel in mine]))
             condition = max(1.0, *(float(changes[channel][decided].max(initial=0.0)) for channel in mine))
-            figures = {"condition": condition, "allowed": log10(condition) + 1}
-            lost = log10(max(float(errors[worst][row]) / EPS, 1.0))  # none below one unit in the last place
-            where = scene.where(float(true[scene.drive_channel][row]))
-            table.append(known | {"group": group, **figures, "lost": lost, "worst": worst, "where": where})
-    return pd.DataFrame(table)
+            lost = log10(max(worst / EPS, 1.0))  # none below one unit in the last place
+            digits[group] = {"lost": lost, "allowed": log10(condition) + 1}
+    return digits
 
 
-def nearest_lock(reference: Reference) -> tuple[float, float]:
-    """The drive's position, rad or m, with a group nearest to a lock at a length, and how near, m; inf without one."""
+def nearest_lock(reference: Reference) -> float:
+    """The drive's position, rad or m, with a group nearest to a lock at a length; the first one without a lock."""
     of_lock = (peak.position for peak in peaks(reference, Sampling(EQUALLY), []) if quantity(peak.channel) == "to_lock")
-    nearest = next(of_lock, reference.scene.drive.extent[0])
-    there = reference.at(np.array([nearest]), np.zeros(1)).samples.items()
-    return nearest, min(
-        (float(samples[0]) for channel, samples in there if quantity(channel) == "to_lock"), default=inf
-    )
+    return next(of_lock, reference.scene.drive.extent[0])
 
 
 def positions(scene: Scene, about: float) -> Samples:

@@ -180,8 +180,7 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
     assert 0 <= row["acceleration_lost"] <= row["acceleration_allowed"] <= 4
     (digits,) = hard_tables.digits(pd.DataFrame([row]))
     assert list(digits)[3:] == ["position", "velocity", "acceleration", "reaction", "torque"]
-    lost = pd.DataFrame([{"group": "velocity", "lost": 5.0, "allowed": 2.0}])
-    monkeypatch.setattr(hard, "digits_lost", lambda _: lost)
+    monkeypatch.setattr(hard, "digits_lost", lambda _: {"velocity": {"lost": 5.0, "allowed": 2.0}})
     (row,) = examine(Case(ladder, "as_is", "analytic"))
     assert (row["outcome"], row["reason"]) == ("silent", "velocity loses 5.0 digits")
 

@@ -1,17 +1,18 @@
 """How many digits the core loses near locks, and that the problem itself explains them."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import log10, pi
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from analytic.core import kinematics
 from compare.measure.hard.digits import STEP, digits_lost, inputs_off, nearest_lock, positions
-from compare.mechanics.reference import uncertified
+from compare.mechanics.reference import Reference, uncertified
 from compare.mechanics.round_off import EPS
 from scenes import Failure, Positions, Scene, Status, hard
+from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import SLOW
@@ -27,21 +28,34 @@ def rung(name: str, label: str) -> Scene:
     return next(step for step in hard.ladder(name).rungs if step.label == label).scene()
 
 
-def explained(table: pd.DataFrame) -> bool:
-    return bool((table["lost"] <= table["allowed"]).all())
+def explained(digits: Mapping[str, Mapping[str, float]]) -> bool:
+    return bool(digits) and all(of["lost"] <= of["allowed"] for of in digits.values())
+
+
+def conditions(digits: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
+    """By group the condition that allows so many digits."""
+    return {group: 10 ** (of["allowed"] - 1) for group, of in digits.items()}
+
+
+def to_lock(reference: Reference, position: float) -> float:
+    """How near the nearest group is to a lock at a position, m."""
+    there = reference.at(np.array([position]), np.zeros(1))
+    return min(float(samples[0]) for channel, samples in there.samples.items() if quantity(channel) == "to_lock")
 
 
 @pytest.mark.parametrize(("name", "label"), [*CASES, *(pytest.param(*case, marks=SLOW) for case in LATER)])
 def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str) -> None:
-    table = digits_lost(uncertified(rung(name, label))).set_index("group")
-    assert set(table.index) == {"position", "velocity", "acceleration", "reaction", "torque"}
-    assert explained(table), table[["condition", "allowed", "lost", "worst", "where"]]
-    assert table["to_lock"].iloc[0] == pytest.approx(float(label), rel=0.2)  # m; the links of 1 m, or so
+    reference = uncertified(rung(name, label))
+    digits, nearest = digits_lost(reference), nearest_lock(reference)
+    assert explained(digits), digits
+    assert to_lock(reference, nearest) == pytest.approx(float(label), rel=0.2)  # m; the links of 1 m, or so
     # kappa goes like the root of the distance, and so does position; all else like its square. Each to a factor of 20.
-    kappa = table["kappa"].iloc[0]
+    kappa = reference.mechanics.constraints.condition(reference.at(np.array([nearest]), np.zeros(1))).max()
     assert abs(log10(kappa) + 0.5 * log10(float(label))) <= 1.3
-    for group, power in {"position": 1, "velocity": 2, "acceleration": 2, "reaction": 2, "torque": 2}.items():
-        assert abs(log10(table["condition"][group]) + 0.5 * power * log10(float(label))) <= 1.3, group
+    powers = {"position": 1, "velocity": 2, "acceleration": 2, "reaction": 2, "torque": 2}
+    assert digits.keys() == powers.keys()
+    for group, condition in conditions(digits).items():
+        assert abs(log10(condition) + 0.5 * powers[group] * log10(float(label))) <= 1.3, group
 
 
 @pytest.mark.parametrize(("name", "formula"), [("lock_rrr", "rrr_reach"), ("lock_rrp", "slide_reach")])
@@ -57,19 +71,18 @@ def test_the_condition_of_a_crank_by_hand() -> None:
 
     A velocity goes with the speed w too, an acceleration with w^2, and the force that turns the mass with that mass.
     """
-    table = digits_lost(uncertified(scene_files.load("crank"))).set_index("group")
+    digits = digits_lost(uncertified(scene_files.load("crank")))  # in which nothing locks
     by_hand = {"position": 3.0, "velocity": 4.0, "acceleration": 5.0, "reaction": 6.0, "torque": 1.0}  # of none at all
-    for group, condition in by_hand.items():
-        assert table["condition"][group] == pytest.approx(condition, rel=1e-3), group  # doubles over a STEP
-    assert np.isinf(table["to_lock"]).all()  # nothing locks
-    assert table["lost"]["torque"] == 0
+    assert conditions(digits) == pytest.approx(by_hand, rel=1e-3)  # doubles over a STEP
+    assert digits["torque"]["lost"] == 0
 
 
 def test_the_nearest_lock_is_looked_at_from_close_by() -> None:
     scene = rung("lock_rrp", "1e-6")
-    nearest, left = nearest_lock(uncertified(scene))
+    reference = uncertified(scene)
+    nearest = nearest_lock(reference)
     assert nearest == pytest.approx(pi / 2, abs=4e-8)  # where the distance is flat to two roundings: x^2 / 4 < 2 eps
-    assert left == pytest.approx(1e-6, abs=4 * EPS)
+    assert to_lock(reference, nearest) == pytest.approx(1e-6, abs=4 * EPS)
     stops = positions(scene, nearest)
     assert nearest in stops
     assert (np.sort(np.abs(stops - nearest))[1:5] < 1e-4).all()
@@ -105,9 +118,9 @@ def test_a_switch_of_a_press_force_has_no_condition() -> None:
     """The start is the dead point, where the force comes or goes with the last digit."""
     ladder = hard.ladder("dead_point_press")
     (at_it,) = (step.scene() for step in ladder.rungs if step.label == "lower")
-    table = digits_lost(uncertified(at_it))
-    assert explained(table)
-    assert (table["condition"] < 1e3).all()
+    digits = digits_lost(uncertified(at_it))
+    assert explained(digits)
+    assert max(conditions(digits).values()) < 1e3
 
 
 def test_what_has_no_certified_truth_is_told() -> None:
