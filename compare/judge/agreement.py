@@ -23,7 +23,7 @@ from .errors import ChannelError, worst_of
 from .floor import FLOOR_SAMPLES
 from .measure import Gate, Measurement, Miss, gates, missed
 from .peaks.peaks import Peak, peaks
-from .proof import MET, HeldLimit, held, proven
+from .proof import MET, HeldLimit, asked, held
 from .verdict import digits, sized, within
 
 CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # with a motion, but another one
@@ -98,8 +98,8 @@ class Judgement:
 
     @cached_property
     def proof(self) -> Enclosures:
-        """What is proven over the whole range of the drive, between the samples too."""
-        return proven(self.scene, self.sampling)
+        """What is proven over the whole range of the drive, between the samples too, of what was asked for."""
+        return registry.enclosures(self.scene, asked(self.scene, self.sampling))
 
     @cached_property
     def limits(self) -> list[HeldLimit]:
@@ -125,8 +125,8 @@ class Judgement:
     def disagreements(self) -> list[Miss]:
         """What of that is the models', not the linkage's."""
         doubt = self.reference.floor.doubt
-        asked = any(m.run.engine == REFERENCE for m in self.measurements)
-        doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not asked else []
+        has_core = any(m.run.engine == REFERENCE for m in self.measurements)
+        doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not has_core else []
         misses = doubted + missed(self.measurements, self.held) + [Miss("", "", line) for line in self.let_through]
         return sorted(misses, key=lambda miss: miss.engine != REFERENCE) if doubt else misses
 

@@ -10,7 +10,6 @@ from scenes import Motion, Sampling, Scene
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import TRANSMISSION, magnitudes, quantity, unit_of
 
-from ..engines import registry
 from ..mechanics.axis import axis
 
 NARROW = 1e-3  # of the drive's range: what is called one place
@@ -31,11 +30,6 @@ def asked(scene: Scene, sampling: Sampling) -> frozenset[str] | None:
     if sampling.channels is None:
         return None
     return sampling.channels.union(name for name, of in magnitudes(scene).items() if sampling.channels.issuperset(of))
-
-
-def proven(scene: Scene, sampling: Sampling) -> Enclosures:
-    """What is proven of the channels asked for, and of the magnitudes that these make."""
-    return registry.enclosures(scene, asked(scene, sampling))
 
 
 def held(scene: Scene, sampling: Sampling, proof: Enclosures) -> Iterator[HeldLimit]:

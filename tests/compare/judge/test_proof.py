@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 import compare
-from compare.judge.proof import held, met, proven
+from compare.engines import registry
+from compare.judge.proof import asked, held, met
 from compare.report.tables.proof import bounds, sentences
 from compare.run import main
 from scenes import InputError, Motion, Sampling, Scene
@@ -58,10 +59,10 @@ def test_machines_meet_limits_at_their_samples() -> None:
 
 def test_channels_that_are_not_asked_for_have_no_bounds_and_no_limits() -> None:
     scene = limited(LIMITS)
-    asked = Sampling(samples=8, channels=frozenset({"A.vx", "A.vy"}))
-    proof = proven(scene, asked)
+    request = Sampling(samples=8, channels=frozenset({"A.vx", "A.vy"}))
+    proof = registry.enclosures(scene, asked(scene, request))
     assert {row.channel for row in proof.rows} == {"A.vx", "A.vy", "A.speed"}
-    assert [limit.enclosure.channel for limit in held(scene, asked, proof)] == ["A.speed"]
+    assert [limit.enclosure.channel for limit in held(scene, request, proof)] == ["A.speed"]
 
 
 @pytest.mark.parametrize(
