@@ -23,6 +23,7 @@ from papers.clamp.formulas import SCHEME_4
 from papers.clamp.optimisation.report import write as write_design
 from papers.clamp.optimisation.study import Effort, study
 from tests import scene_files
+from tests.compare.hard.test_stability import few
 from tests.comparisons import SLOW
 from tests.faults.table import judged_faults
 from tests.pages import draw_all, silent
@@ -54,7 +55,8 @@ TO_PX = 0.02  # of an axis: a pixel or two of a drag over some hundred
 
 
 def _report(press: Study, folder: Path) -> Path:
-    maps = pd.DataFrame([*over_sweeps(press.reference, "pymunk", lambda _: None, (8, 64), (72, 216))])
+    with few((72, 216), SWEEPS=(8, 64)):
+        maps = pd.DataFrame([*over_sweeps(press.reference, "pymunk", lambda _: None)])
     hard = pd.DataFrame(
         [row for rung in ("shorter", "as_is") for e in ("analytic", "pymunk") for row in examine(Case(ROD, rung, e))]
     )

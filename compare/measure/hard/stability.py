@@ -37,7 +37,6 @@ from ...mechanics.reference import Reference
 
 SAMPLES = 24  # a cycle
 STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples, up a map
-FEWER = STEPS[:-1]  # of long runs
 SWEEPS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 MASS_FACTORS = (1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3)
 TURNS = (1, 3, 10, 30, 100)
@@ -63,60 +62,56 @@ def stability_table(scene: Scene, engines: Iterable[str], to_lock: Variants, pro
         reference = establish(scene, runs=runs)
         for engine in able:
             if registry.engine(engine).iterations_needed:
-                yield from over_sweeps(reference, engine, progress, runs=runs)
-        yield from over_variants("lock", to_lock, able, progress, runs=runs)
+                yield from over_sweeps(reference, engine, progress, runs)
+        yield from over_variants("lock", to_lock, able, progress, runs)
         if scene.has_masses:
-            yield from over_variants("mass", heavier(scene), able, progress, runs=runs)
+            yield from over_variants("mass", heavier(scene), able, progress, runs)
         for engine in able:
-            yield from over_turns(reference, engine, progress, runs=runs)
+            yield from over_turns(reference, engine, progress, runs)
 
     with workers([*able, registry.ORACLE], lambda: None) as runs:
         return pd.DataFrame([*kept(cells())])
 
 
-def over_sweeps(
-    reference: Reference, engine: str, show: Progress, sweeps: Counts = SWEEPS, up: Counts = STEPS, runs: Runs = HERE
-) -> Iterator[Cell]:
+def over_sweeps(reference: Reference, engine: str, show: Progress, runs: Runs = HERE) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
-    for steps in up:
+    for steps in STEPS:
         known = runs.asked(engine, reference.scene, partial(_needed, engine, reference.scene, steps))
         needed, fault = (np.nan, f"iterations_needed: {known.reason}") if isinstance(known, Ended) else known
-        for number in sweeps:
+        for number in SWEEPS:
             show(f"stability of {engine}: {number} sweeps, {steps} steps")
             cell = _cell(("sweeps", engine, str(number), steps), reference, runs, sweeps=(number,), fault=fault)
             yield cell | {"needed": needed}
 
 
 def over_variants(
-    kind: str, variants: Variants, engines: Sequence[str], show: Progress, up: Counts = STEPS, runs: Runs = HERE
+    kind: str, variants: Variants, engines: Sequence[str], show: Progress, runs: Runs = HERE
 ) -> Iterator[Cell]:
     """Yield steps a cycle against scenes, whose labels are numbers."""
     for label, scene in variants:
         reference: Reference | Scene = scene
         with suppress(InputError):  # nothing to compare with; whether the engine notices is to be seen all the same
             reference = establish(scene, runs=runs)
-        for engine, steps in product(engines, up):
+        for engine, steps in product(engines, STEPS):
             show(f"stability of {engine}: {kind} {label}, {steps} steps")
             yield _cell((kind, engine, label, steps), reference, runs)
 
 
-def over_turns(
-    reference: Reference, engine: str, show: Progress, turns: Counts = TURNS, up: Counts = FEWER, runs: Runs = HERE
-) -> Iterator[Cell]:
+def over_turns(reference: Reference, engine: str, show: Progress, runs: Runs = HERE) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
-    for number, steps in product(turns if reference.scene.drive.periodic else (), up):
+    for number, steps in product(TURNS if reference.scene.drive.periodic else (), STEPS[:-1]):  # these runs are long
         show(f"stability of {engine}: drift over {number}, {steps} steps")
         yield _cell(("drift", engine, str(number), steps), reference, runs, turns=number)
 
 
-def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> Variants:
+def heavier(scene: Scene) -> Variants:
     """The scene with its heaviest body lighter and heavier, by factor."""
     heaviest = max(scene.bodies.values(), key=lambda body: body.mass or 0.0).weighed
     scene = put(scene, {("bodies", heaviest.name): heaviest})
     own = {"mass": heaviest.mass or 0.0} | ({} if heaviest.inertia is None else {"inertia": heaviest.inertia})
     return [
         (f"{factor:g}", put(scene, {("bodies", heaviest.name, name): factor * of for name, of in own.items()}))
-        for factor in factors
+        for factor in MASS_FACTORS
     ]
 
 

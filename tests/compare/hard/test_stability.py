@@ -1,5 +1,7 @@
 """Maps of where engines are stable, and their pictures."""
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -27,10 +29,19 @@ def quiet(_: str) -> None:
     pass
 
 
+@contextmanager
+def few(steps: Sequence[int], **others: Sequence[int]) -> Iterator[None]:
+    """Maps of fewer cells: of these steps a cycle, and what is across."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name, numbers in {"STEPS": steps, **others}.items():
+            patch.setattr(stability, name, numbers)
+        yield
+
+
 @pytest.fixture(scope="module")
 def sweeps(press: Scene) -> pd.DataFrame:
-    rows = stability.over_sweeps(establish(press), "pymunk", quiet, (8, 64, 256), (72, 216))
-    return pd.DataFrame([*rows])
+    with few((72, 216), SWEEPS=(8, 64, 256)):
+        return pd.DataFrame([*stability.over_sweeps(establish(press), "pymunk", quiet)])
 
 
 def test_theory_is_on_the_safe_side_of_where_the_toggle_press_holds(sweeps: pd.DataFrame) -> None:
@@ -62,7 +73,8 @@ def test_steps_against_scenes_ever_closer_to_a_lock() -> None:
     gaps = {f"{gap:g}": {"bodies.rocker.lengths.B-Q": 0.5 + gap} for gap in (1e-1, 1e-6)}
     variants = [(label, scene_files.load("stretched_rocker", changes)) for label, changes in gaps.items()]
     variants.append(("0", scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05})))
-    rows = pd.DataFrame([*stability.over_variants("lock", variants, ["pymunk"], quiet, (72, 648))])
+    with few((72, 648)):
+        rows = pd.DataFrame([*stability.over_variants("lock", variants, ["pymunk"], quiet)])
     assert list(rows["x"]) == [0.1, 0.1, 1e-6, 1e-6, 0, 0]
     by_label = rows.groupby("label")["status"].agg(set)
     assert by_label["0.1"] == {"ok"}
@@ -72,29 +84,28 @@ def test_steps_against_scenes_ever_closer_to_a_lock() -> None:
 
 
 def test_the_heaviest_body_gets_heavier(press: Scene) -> None:
-    for label, scene in stability.heavier(press, (1e-3, 10.0)):
+    for label, scene in stability.heavier(press):
         assert scene.bodies["slider"].mass == pytest.approx(800 * float(label))
         others = {name: body for name, body in scene.bodies.items() if name != "slider"}
         assert others == {name: body for name, body in press.bodies.items() if name != "slider"}
     plate = replace(press.bodies["slider"], inertia=2.0, com=(0.0, 0.0))
-    (_, scene), *_ = stability.heavier(replace(press, bodies={**press.bodies, "slider": plate}), (10.0,))
-    assert scene.bodies["slider"].inertia == pytest.approx(20)
+    by_factor = dict(stability.heavier(replace(press, bodies={**press.bodies, "slider": plate})))
+    assert by_factor["10"].bodies["slider"].inertia == pytest.approx(20)
 
 
 def test_drift_is_of_the_last_turn(press: Scene) -> None:
-    rows = pd.DataFrame([*stability.over_turns(establish(press), "pymunk", quiet, (1, 4), (216,))])
+    with few((216, 648), TURNS=(1, 4)):
+        rows = pd.DataFrame([*stability.over_turns(establish(press), "pymunk", quiet)])
     assert set(rows["status"]) == {"ok"}
     one, four = rows["error"]
     assert four == pytest.approx(one, rel=1e-3)  # no drift: the crank is moved, and the joints close in every step
     assert one == pytest.approx(rows["position_max"][0])
     once = establish(scenes.load("double_toggle_clamp"))
-    assert not [*stability.over_turns(once, "pymunk", quiet, (1,), (216,))]
+    assert not [*stability.over_turns(once, "pymunk", quiet)]
 
 
-def test_all_maps_of_the_engines_that_have_any(press: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, few in (("over_sweeps", ((64,), (72,))), ("over_turns", ((1,), (72,))), ("over_variants", ((72,),))):
-        whole = getattr(stability, name)
-        monkeypatch.setattr(stability, name, lambda *of, whole=whole, few=few, **by: whole(*of, *few, **by))
+@few((72, 216), SWEEPS=(64,), TURNS=(1,))
+def test_all_maps_of_the_engines_that_have_any(press: Scene) -> None:
     assert [name for name in ("pymunk", "analytic") if registry.engine(name).at_steps] == ["pymunk"]
     table = stability.stability_table(press, ("analytic", "pymunk"), [("0.1", press)], quiet)
     assert [*dict.fromkeys(table["map"])] == ["sweeps", "lock", "mass", "drift"]
@@ -126,17 +137,21 @@ def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monke
     monkeypatch.setattr(registry, "engine", lambda _: module)
     reference = establish(press)
     module.at_steps, module.iterations_needed = lambda *_: module.DEFAULT, lambda *_: 1 / 0
-    (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
+    with few((24,), SWEEPS=(8,)):
+        (cell,) = stability.over_sweeps(reference, "analytic", quiet)
     assert cell["status"] == "crashed"
     assert str(cell["reason"]).startswith("iterations_needed: ZeroDivisionError: division by zero (tests/compare/hard/")
     module.iterations_needed = lambda *_: "many"
-    (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
+    with few((24,), SWEEPS=(8,)):
+        (cell,) = stability.over_sweeps(reference, "analytic", quiet)
     assert cell["status"] == "crashed"
     module.at_steps, module.iterations_needed = lambda steps: {24: module.DEFAULT, 216: 216}[steps], lambda *_: 9
-    (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
+    with few((24,), SWEEPS=(8,)):
+        (cell,) = stability.over_sweeps(reference, "analytic", quiet)
     assert (cell["status"], cell["needed"]) == ("crashed", 9)
     assert str(cell["reason"]).startswith("at_steps: TypeError")
-    good, bad, odd = stability.over_turns(reference, "analytic", quiet, (1,), (24, 72, 216))
+    with few((24, 72, 216, 648), TURNS=(1,)):
+        good, bad, odd = stability.over_turns(reference, "analytic", quiet)
     assert (good["status"], bad["status"]) == ("ok", "crashed")
     assert str(bad["reason"]).startswith("at_steps: KeyError: 72 (tests/compare/hard/test_stability.py, line ")
     assert odd["reason"] == "at_steps: TypeError: expected scenes.Settings, found int"
