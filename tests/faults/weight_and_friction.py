@@ -8,8 +8,7 @@ from itertools import permutations
 import numpy as np
 
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.cause import Kind
-from compare.judge.causes.scene_numbers import joint
+from compare.judge.causes.cause import Kind, stem
 from scenes.fields import put
 from scenes.model.motion import Samples
 from scenes.scene import PinFriction, PressForce
@@ -99,15 +98,15 @@ def friction_of_joints(clean: Clean) -> Iterator[Fault]:
     every, resisting = range(len(rubs)), ("coefficient", "viscous")
     for what, factor in {"left out": 0.0, "of the wrong sign": -1.0}.items():
         for numbers in [*((number,) for number in clean.some(every, what, 2)), *([every] if len(rubs) > 1 else [])]:
-            place = "all" if len(numbers) > 1 else joint(scene, rubs[numbers[0]])
+            place = "all" if len(numbers) > 1 else stem(rubs[numbers[0]].channel(scene))
             changed = {at: size for key in resisting for at, size in times(factor, key, *numbers).items()}
             kind = f"{'all ' if place == 'all' else ''}friction {what}"
             yield fault(kind, 1 - factor, place, changed)
     for by in (1.0, *SIZES):
         for key in (*resisting, "radius", "length"):
             for number in clean.some([n for n in every if getattr(rubs[n], key, None)], f"{key} {by}"):
-                yield fault(f"friction's {key}", by, joint(scene, rubs[number]), times(1 + by, key, number))
+                yield fault(f"friction's {key}", by, stem(rubs[number].channel(scene)), times(1 + by, key, number))
     pins = {number: one for number, one in enumerate(rubs) if isinstance(one, PinFriction)}
     for one, other in clean.some(permutations(pins, 2), "another pin", 2):
         changed = {**times(0.0, "radius", one), **times(1 + pins[one].arm / pins[other].arm, "radius", other)}
-        yield fault("friction at another pin", 1, joint(scene, pins[one]), changed)
+        yield fault("friction at another pin", 1, stem(pins[one].channel(scene)), changed)

@@ -25,9 +25,9 @@ from ...mechanics.bodies import weights
 from ...mechanics.elements import Push, generalised, of_element, weight
 from ...mechanics.friction import by_law
 from ...mechanics.motion_vectors import MotionVectors, press_forces
-from .cause import Cause, Kind
+from .cause import Cause, Kind, stem
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
-from .scene_numbers import joint, load_name, load_place
+from .scene_numbers import load_name, load_place
 
 ROUNDS = 8  # of friction by the joints' forces: what each leaves over is some thousandths of that before
 ROWS_LATE = (0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0)
@@ -240,5 +240,5 @@ def _elsewhere(evidence: Evidence) -> Iterator[Hypothesis]:
         if other != own and (solved := evidence.solved(replace(scene, friction=tuple(friction.values())))):
             shown = 0 * solved[other] if standing else solved[other]
             text = "the friction of {place} acts at {one}"
-            cause = Cause(Kind.friction, joint(scene, one), text, names=(pin.channel,))
+            cause = Cause(Kind.friction, stem(own), text, names=(pin.channel,))
             yield Hypothesis(cause, {own: shown, **{c: values for c, values in solved.items() if c in evidence.true}})

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
-from scenes.elements.friction import Friction, GuideFriction
+from scenes.elements.friction import GuideFriction
 from scenes.elements.loads import Force, Load, Moment, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
 from scenes.model.motion import Samples
@@ -16,7 +16,7 @@ from scenes.scene import DrawnBody
 
 from ...mechanics.bodies import first_point, weights
 from ...mechanics.reference import Reference
-from .cause import Cause, Kind
+from .cause import Cause, Kind, stem
 
 NONE = -1.005  # of a mass or a moment of inertia, by so much of itself too small: none at all, but for rounding
 STANDARD_GRAVITY = (0.0, -9.81)  # m/s^2
@@ -142,7 +142,7 @@ def _of_friction(scene: Scene) -> Iterator[Numbers]:
     """Yield friction of each joint and of all, what it has by the load and what by the rate, and the contacts."""
     every: dict[str, float] = {}
     for number, one in enumerate(scene.friction):
-        at, place = f"friction.{number}", joint(scene, one)
+        at, place = f"friction.{number}", stem(one.channel(scene))
         # A pin's is linear in the radius, and the coefficient cannot be told from that.
         linear = "coefficient" if isinstance(one, GuideFriction) else "radius"
         coulomb = {f"{at}.{linear}": getattr(one, linear)}
@@ -157,11 +157,6 @@ def _of_friction(scene: Scene) -> Iterator[Numbers]:
         every |= ways["friction"]
     if len(scene.friction) > 1:
         yield Numbers(Cause(Kind.friction, "all", "all friction is {percent}"), (every,))
-
-
-def joint(scene: Scene, friction: Friction) -> str:
-    """Return what a cause calls the joint of a friction: the stem of its channel."""
-    return friction.channel(scene).rpartition(".")[0]
 
 
 def load_place(load: Load | TorsionSpring) -> str:

@@ -55,11 +55,9 @@ def going_on(
 
 def _written(member: Member) -> Any:
     """A member as what JSON has, without its scene and the solver of that."""
-    judged = member.judgement
-    if judged is None:
-        return encoded([member, {}])
-    shown = {name: vars(judged)[name] for name in SHOWN}
-    bare: Any = replace(judged, scene=None, reference=replace(judged.reference, mechanics=None, at=None))  # type: ignore[arg-type]
+    judged: Any = member.judgement
+    shown = {name: vars(judged)[name] for name in SHOWN} if judged else {}
+    bare = judged and replace(judged, scene=None, reference=replace(judged.reference, mechanics=None, at=None))
     return encoded([replace(member, judgement=bare), shown])
 
 

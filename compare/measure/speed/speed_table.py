@@ -10,7 +10,6 @@ from typing import Any
 
 from scenes import Sampling, Settings, Status
 
-from ...engines import registry
 from ...engines.processes.stopping import Progress, kept
 from ...engines.registry import settings_of, tiers
 from ...engines.runner import HERE, Run, Runs
@@ -77,7 +76,7 @@ def _error_runs(
         steps, least = steps_per_cycle(settings) or 0, too_slow.get(settings.family, inf)
         if steps > least:
             reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already"
-            run = Run(engine, settings, Status.timed_out, reason, registry.ENTRIES[engine].version)
+            run = Run(engine, settings, Status.timed_out, reason)
             yield run, _row(Measurement(run, None, []), settings, role, tier)
             continue
         progress(f"measuring the error of {engine}, {settings.label}")
