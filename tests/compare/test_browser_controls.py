@@ -12,6 +12,7 @@ import pytest
 
 import compare
 from benchmarks.faults import write as write_faults
+from compare.engines.runner import HERE
 from compare.measure.hard.case import Case, examine
 from compare.measure.hard.stability import over_sweeps
 from compare.report.pages.report import page as report_page
@@ -56,7 +57,7 @@ TO_PX = 0.02  # of an axis: a pixel or two of a drag over some hundred
 
 def _report(press: Study, folder: Path) -> Path:
     with few((72, 216), SWEEPS=(8, 64)):
-        maps = pd.DataFrame([*over_sweeps(press.reference, "pymunk", lambda _: None)])
+        maps = pd.DataFrame([*over_sweeps(press.reference, "pymunk", lambda _: None, HERE)])
     hard = pd.DataFrame(
         [row for rung in ("shorter", "as_is") for e in ("analytic", "pymunk") for row in examine(Case(ROD, rung, e))]
     )

@@ -29,7 +29,7 @@ from ...engines.processes.inside import Ended
 from ...engines.processes.stopping import Progress, kept
 from ...engines.processes.workers import workers
 from ...engines.reasons import described
-from ...engines.runner import HERE, Runs
+from ...engines.runner import Runs
 from ...judge.floor import establish
 from ...judge.measure import Measurement, checked_run, measure
 from ...mechanics.mechanics import SHOWN_GROUPS
@@ -43,7 +43,6 @@ TURNS = (1, 3, 10, 30, 100)
 
 Variants: TypeAlias = Sequence[tuple[str, Scene]]
 Cell: TypeAlias = dict[str, object]
-Counts: TypeAlias = Sequence[int]
 Place: TypeAlias = tuple[str, str, str, int]  # the map, the engine, the number that it stands at across, and the steps
 
 
@@ -73,7 +72,7 @@ def stability_table(scene: Scene, engines: Iterable[str], to_lock: Variants, pro
         return pd.DataFrame([*kept(cells())])
 
 
-def over_sweeps(reference: Reference, engine: str, show: Progress, runs: Runs = HERE) -> Iterator[Cell]:
+def over_sweeps(reference: Reference, engine: str, show: Progress, runs: Runs) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
     for steps in STEPS:
         known = runs.asked(engine, reference.scene, partial(_needed, engine, reference.scene, steps))
@@ -84,9 +83,7 @@ def over_sweeps(reference: Reference, engine: str, show: Progress, runs: Runs = 
             yield cell | {"needed": needed}
 
 
-def over_variants(
-    kind: str, variants: Variants, engines: Sequence[str], show: Progress, runs: Runs = HERE
-) -> Iterator[Cell]:
+def over_variants(kind: str, variants: Variants, engines: Sequence[str], show: Progress, runs: Runs) -> Iterator[Cell]:
     """Yield steps a cycle against scenes, whose labels are numbers."""
     for label, scene in variants:
         reference: Reference | Scene = scene
@@ -97,7 +94,7 @@ def over_variants(
             yield _cell((kind, engine, label, steps), reference, runs)
 
 
-def over_turns(reference: Reference, engine: str, show: Progress, runs: Runs = HERE) -> Iterator[Cell]:
+def over_turns(reference: Reference, engine: str, show: Progress, runs: Runs) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
     for number, steps in product(TURNS if reference.scene.drive.periodic else (), STEPS[:-1]):  # these runs are long
         show(f"stability of {engine}: drift over {number}, {steps} steps")
@@ -137,7 +134,13 @@ def _at_steps(engine: str, *numbers: int) -> Settings | str:
 
 
 def _cell(
-    place: Place, reference: Reference | Scene, runs: Runs, *, sweeps: Counts = (), turns: int = 1, fault: str = ""
+    place: Place,
+    reference: Reference | Scene,
+    runs: Runs,
+    *,
+    sweeps: Sequence[int] = (),
+    turns: int = 1,
+    fault: str = "",
 ) -> Cell:
     """Run one cell; with a scene for reference there are no errors, and after a fault of the engine there is no run."""
     kind, engine, label, steps = place

@@ -12,6 +12,7 @@ import pytest
 import scenes
 from compare.engines import registry
 from compare.engines.processes.stopping import Stopped
+from compare.engines.runner import HERE
 from compare.judge.floor import establish
 from compare.measure.hard import stability
 from compare.report.figures.hard import FAILED, LETTERS, stability_maps
@@ -41,7 +42,7 @@ def few(steps: Sequence[int], **others: Sequence[int]) -> Iterator[None]:
 @pytest.fixture(scope="module")
 def sweeps(press: Scene) -> pd.DataFrame:
     with few((72, 216), SWEEPS=(8, 64, 256)):
-        return pd.DataFrame([*stability.over_sweeps(establish(press), "pymunk", quiet)])
+        return pd.DataFrame([*stability.over_sweeps(establish(press), "pymunk", quiet, HERE)])
 
 
 def test_theory_is_on_the_safe_side_of_where_the_toggle_press_holds(sweeps: pd.DataFrame) -> None:
@@ -74,7 +75,7 @@ def test_steps_against_scenes_ever_closer_to_a_lock() -> None:
     variants = [(label, scene_files.load("stretched_rocker", changes)) for label, changes in gaps.items()]
     variants.append(("0", scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05})))
     with few((72, 648)):
-        rows = pd.DataFrame([*stability.over_variants("lock", variants, ["pymunk"], quiet)])
+        rows = pd.DataFrame([*stability.over_variants("lock", variants, ["pymunk"], quiet, HERE)])
     assert list(rows["x"]) == [0.1, 0.1, 1e-6, 1e-6, 0, 0]
     by_label = rows.groupby("label")["status"].agg(set)
     assert by_label["0.1"] == {"ok"}
@@ -95,13 +96,13 @@ def test_the_heaviest_body_gets_heavier(press: Scene) -> None:
 
 def test_drift_is_of_the_last_turn(press: Scene) -> None:
     with few((216, 648), TURNS=(1, 4)):
-        rows = pd.DataFrame([*stability.over_turns(establish(press), "pymunk", quiet)])
+        rows = pd.DataFrame([*stability.over_turns(establish(press), "pymunk", quiet, HERE)])
     assert set(rows["status"]) == {"ok"}
     one, four = rows["error"]
     assert four == pytest.approx(one, rel=1e-3)  # no drift: the crank is moved, and the joints close in every step
     assert one == pytest.approx(rows["position_max"][0])
     once = establish(scenes.load("double_toggle_clamp"))
-    assert not [*stability.over_turns(once, "pymunk", quiet)]
+    assert not [*stability.over_turns(once, "pymunk", quiet, HERE)]
 
 
 @few((72, 216), SWEEPS=(64,), TURNS=(1,))
@@ -138,20 +139,20 @@ def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monke
     reference = establish(press)
     module.at_steps, module.iterations_needed = lambda *_: module.DEFAULT, lambda *_: 1 / 0
     with few((24,), SWEEPS=(8,)):
-        (cell,) = stability.over_sweeps(reference, "analytic", quiet)
+        (cell,) = stability.over_sweeps(reference, "analytic", quiet, HERE)
     assert cell["status"] == "crashed"
     assert str(cell["reason"]).startswith("iterations_needed: ZeroDivisionError: division by zero (tests/compare/hard/")
     module.iterations_needed = lambda *_: "many"
     with few((24,), SWEEPS=(8,)):
-        (cell,) = stability.over_sweeps(reference, "analytic", quiet)
+        (cell,) = stability.over_sweeps(reference, "analytic", quiet, HERE)
     assert cell["status"] == "crashed"
     module.at_steps, module.iterations_needed = lambda steps: {24: module.DEFAULT, 216: 216}[steps], lambda *_: 9
     with few((24,), SWEEPS=(8,)):
-        (cell,) = stability.over_sweeps(reference, "analytic", quiet)
+        (cell,) = stability.over_sweeps(reference, "analytic", quiet, HERE)
     assert (cell["status"], cell["needed"]) == ("crashed", 9)
     assert str(cell["reason"]).startswith("at_steps: TypeError")
     with few((24, 72, 216, 648), TURNS=(1,)):
-        good, bad, odd = stability.over_turns(reference, "analytic", quiet)
+        good, bad, odd = stability.over_turns(reference, "analytic", quiet, HERE)
     assert (good["status"], bad["status"]) == ("ok", "crashed")
     assert str(bad["reason"]).startswith("at_steps: KeyError: 72 (tests/compare/hard/test_stability.py, line ")
     assert odd["reason"] == "at_steps: TypeError: expected scenes.Settings, found int"
