@@ -13,19 +13,19 @@ from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from subprocess import DEVNULL, PIPE, Popen
 from tempfile import TemporaryDirectory
-from time import perf_counter, process_time
+from time import perf_counter
 
 import numpy as np
 import psutil
 
 import analytic
+from benchmarks import many_machines
 from compare.engines.registry import DEFAULT_ENGINES, ORACLE
 from compare.engines.runner import HERE, run
 from compare.judge.floor import FLOOR_SAMPLES
 from compare.measure.many.family import Asked, solved_member
 from scenes import Sampling, load
 
-ROUNDS = 5  # the least of them counts
 MACHINES = 2048
 
 
@@ -75,12 +75,7 @@ def stages(scene_name: str, change: Mapping[str, float]) -> None:
 
 def least(do: Callable[[], object]) -> float:
     """Return the least processor time of several rounds, s."""
-    times = []
-    for _ in range(ROUNDS):
-        started = process_time()
-        do()
-        times.append(process_time() - started)
-    return min(times)
+    return many_machines.seconds({"": do})[""]
 
 
 def family(job: Sequence[str], workers: int, out: Path, like: Path, *, kill: bool) -> str:

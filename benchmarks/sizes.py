@@ -31,11 +31,8 @@ def main(cases: Sequence[str]) -> None:
     print("| --- | ---: | ---: | ---: | ---: | ---: | --- |")
     for case in cases or (*ROWS, *CHAINS):
         with TemporaryDirectory() as folder:
-            scene, arguments = "toggle_press", ROWS.get(case, ())
-            if case in CHAINS:
-                scene = f"{folder}/chain.toml"
-                Path(scene).write_text(chain(CHAINS[case], "chain"), encoding="utf-8")
-            print(_row(case, scene, arguments, Path(folder)), flush=True)
+            scene = str(chain(CHAINS[case], Path(folder))) if case in CHAINS else "toggle_press"
+            print(_row(case, scene, ROWS.get(case, ()), Path(folder)), flush=True)
 
 
 def _row(case: str, scene: str, arguments: Sequence[str], folder: Path) -> str:

@@ -4,9 +4,8 @@ The table's figures in brackets are ratios within one run. `write_fresh` allocat
 size, as `solve` must; `write_again` writes it into memory that is already there.
 """
 
-from math import inf
+from functools import partial
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 import analytic
 import scenes
-from scenes import Scene
+from benchmarks.many_machines import seconds
 from scenes.model.motion import channels
 from tests.chain import chain
 
@@ -54,19 +53,14 @@ DEGREES = ANGLES[::1000]  # few enough that the answer stays in memory at hand: 
 @pytest.mark.parametrize("dyads", LENGTHS)
 @pytest.mark.benchmark(group="cost against the number of dyads, 360 angles")
 def test_dyads(benchmark: BenchmarkFixture, dyads: int, tmp_path: Path) -> None:
-    benchmark(analytic.solver(loaded(dyads, tmp_path)), DEGREES)
+    benchmark(analytic.solver(scenes.load(chain(dyads, tmp_path))), DEGREES)
 
 
 def test_cost_is_linear_in_dyads(tmp_path: Path) -> None:
     """The time is a line over the number of dyads, and the last dyads cost no more each than the first."""
-    solvers = {dyads: analytic.solver(loaded(dyads, tmp_path)) for dyads in LENGTHS}
-    seconds = dict.fromkeys(LENGTHS, inf)
-    for _ in range(ROUNDS):  # interleaved, so that a busy machine is so for all
-        for dyads, solve in solvers.items():
-            start = perf_counter()
-            solve(DEGREES)
-            seconds[dyads] = min(seconds[dyads], perf_counter() - start)
-    took = np.array(list(seconds.values()))
+    solvers = {dyads: analytic.solver(scenes.load(chain(dyads, tmp_path))) for dyads in LENGTHS}
+    jobs = {str(dyads): partial(solve, DEGREES) for dyads, solve in solvers.items()}
+    took = np.array([*seconds(jobs, ROUNDS).values()])
     slope, offset = np.polyfit(LENGTHS, took, 1)
     residual = np.abs(took - offset - slope * np.array(LENGTHS)).max()
     each = np.diff(took) / np.diff(LENGTHS)
@@ -74,9 +68,3 @@ def test_cost_is_linear_in_dyads(tmp_path: Path) -> None:
     print("ms a dyad, from chain to chain:", np.round(1e3 * each, 3))
     assert residual <= 0.1 * took[-1]
     assert each[-1] <= 1.5 * each[1]  # from 8 to 16 dyads as from 2 to 4, but for the caches
-
-
-def loaded(dyads: int, folder: Path) -> Scene:
-    file = folder / f"chain_{dyads}.toml"
-    file.write_text(chain(dyads, file.stem), encoding="utf-8")
-    return scenes.load(file)

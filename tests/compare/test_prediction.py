@@ -28,9 +28,7 @@ def test_the_cost_is_near_what_was_measured(
     sampling: Sampling, dyads: int, seconds: float, memory: float, tmp_path: Path
 ) -> None:
     """By `python -m benchmarks.sizes`, within a factor of two."""
-    file = tmp_path / "chain.toml"
-    file.write_text(chain(dyads or 1, "chain"), encoding="utf-8")
-    cost = predicted(load(str(file) if dyads else "toggle_press"), sampling, ENGINES)
+    cost = predicted(load(chain(dyads, tmp_path) if dyads else "toggle_press"), sampling, ENGINES)
     assert all(measured / 2 < each < 2 * measured for each, measured in zip(cost, (seconds, memory), strict=True))
 
 

@@ -10,7 +10,8 @@ import pytest
 import scenes
 from scenes import Sampling, Scene
 from scenes.model.constraints import groups
-from tests import chain, scene_files
+from tests import scene_files
+from tests.chain import chain
 
 flint = pytest.importorskip("flint")
 
@@ -60,9 +61,7 @@ def group_sizes(scene: Scene) -> list[int]:
 
 
 def test_a_linkage_of_dyads_is_solved_dyad_by_dyad(tmp_path: Path) -> None:
-    file = tmp_path / "chain.toml"
-    file.write_text(chain.chain(9, "chain"), encoding="utf-8")
-    assert sorted(group_sizes(scenes.load(str(file)))) == [1, 1, 1] + [6] * 9
+    assert sorted(group_sizes(scenes.load(chain(9, tmp_path)))) == [1, 1, 1] + [6] * 9
 
 
 def test_bodies_that_need_each_other_are_one_group() -> None:
@@ -74,9 +73,7 @@ def test_the_cost_does_not_grow_with_the_cube_of_the_linkage(tmp_path: Path) -> 
     """From 7 bodies to 19 it is two or three times as much, and more than five with all equations in one group."""
 
     def seconds(dyads: int) -> float:
-        file = tmp_path / f"chain{dyads}.toml"
-        file.write_text(chain.chain(dyads, "chain"), encoding="utf-8")
-        simulation = model.build(scenes.load(str(file)), model.DEFAULT, Sampling(36))
+        simulation = model.build(scenes.load(chain(dyads, tmp_path)), model.DEFAULT, Sampling(36))
         began = process_time()
         simulation.solve()
         return process_time() - began
