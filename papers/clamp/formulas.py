@@ -45,15 +45,9 @@ UNITS = np.array([DEGREE if name in ANGLES else 1.0 for name in Design._fields])
 
 @dataclass(frozen=True)
 class Pose:
-    """Lengths and angles of the clamp at alpha."""
+    """A design at alpha, with the angles that follow."""
 
-    L1: Any
-    L2: Any
-    L4: Any
-    L5: Any
-    Hb: Any
-    theta: Any
-    gamma: Any
+    d: Design
     alpha: Any
     beta: Any
     phi: Any
@@ -61,20 +55,20 @@ class Pose:
     @property
     def bar(self) -> Any:
         """The angle of AB above the guides."""
-        return self.theta + self.alpha
+        return self.d.theta + self.alpha
 
     @property
     def ear(self) -> Any:
         """The angle of AD above the guides."""
-        return self.theta + self.gamma + self.alpha
+        return self.d.theta + self.d.gamma + self.alpha
 
 
-def at(d: Design | Pose, alpha: Any) -> Pose:
-    """A design, or that of another pose, at alpha, with beta and phi from its closed loops."""
+def at(d: Design, alpha: Any) -> Pose:
+    """A design at alpha, with beta and phi from its closed loops."""
     with np.errstate(invalid="ignore"):
         beta = arcsin((d.L1 * sin(d.theta + alpha) - (d.L1 + d.L2) * sin(d.theta)) / d.L2)
         phi = arcsin(sine_phi(d, alpha))
-    return Pose(d.L1, d.L2, d.L4, d.L5, d.Hb, d.theta, d.gamma, alpha, beta, phi)
+    return Pose(d, alpha, beta, phi)
 
 
 def opened(d: Design) -> Pose:
@@ -82,7 +76,7 @@ def opened(d: Design) -> Pose:
     return at(d, d.alpha_max)
 
 
-def sine_phi(d: Design | Pose, alpha: Any) -> Array:
+def sine_phi(d: Design, alpha: Any) -> Array:
     """Return sin(phi), which is beyond -1..1 where DE is too short."""
     return np.asarray((d.Hb - d.L5 * sin(d.theta + d.gamma + alpha)) / d.L4)
 
@@ -106,22 +100,22 @@ def closed(d: Design) -> Design:
 
 def platen(p: Pose) -> Array:
     """Return x of C, from A."""
-    return np.asarray(p.L1 * cos(p.bar) + p.L2 * cos(p.beta))
+    return np.asarray(p.d.L1 * cos(p.bar) + p.d.L2 * cos(p.beta))
 
 
 def crosshead(p: Pose) -> Array:
     """Return x of E, from A; it is behind D, where S_o is printed with it ahead of D."""
-    return np.asarray(p.L5 * cos(p.ear) - p.L4 * cos(p.phi))
+    return np.asarray(p.d.L5 * cos(p.ear) - p.d.L4 * cos(p.phi))
 
 
 def platen_stroke(p: Pose) -> Array:
     """Return S_m, the numerator of R_S, from a pose to the lock."""
-    return platen(at(p, 0.0)) - platen(p)
+    return platen(at(p.d, 0.0)) - platen(p)
 
 
 def crosshead_stroke(p: Pose) -> Array:
     """Return S_o, the denominator of R_S, from a pose to the lock."""
-    return crosshead(at(p, 0.0)) - crosshead(p)
+    return crosshead(at(p.d, 0.0)) - crosshead(p)
 
 
 def stroke_ratio(d: Design) -> Array:
@@ -131,16 +125,17 @@ def stroke_ratio(d: Design) -> Array:
 
 def velocity_ratio(p: Pose) -> Array:
     """Return R_V = v_m / v_o; its reciprocal is M_P = P_m / P_o, by virtual work."""
-    return np.asarray(p.L1 * sin(p.bar + p.beta) * cos(p.phi) / (p.L5 * sin(p.ear + p.phi) * cos(p.beta)))
+    return np.asarray(p.d.L1 * sin(p.bar + p.beta) * cos(p.phi) / (p.d.L5 * sin(p.ear + p.phi) * cos(p.beta)))
 
 
 def acceleration(p: Pose, Vo: float = 1.0, *, printed: bool = False) -> Array:
     """Return a_m at a constant speed of the crosshead, corrected or as printed; at speed one that is a_m / v_o^2."""
-    w1, w4 = (Vo * of / sin(p.ear + p.phi) for of in (cos(p.phi) / p.L5, cos(p.ear) / p.L4))  # of the links at A and E
-    w2 = p.L1 * w1 * cos(p.bar) / (p.L2 * cos(p.beta))
-    e1 = (p.L5 * w1**2 * cos(p.ear + p.phi) - p.L4 * w4**2) / (p.L5 * sin(p.ear + p.phi))
-    of_B = p.L1 * e1 * sin(p.bar + p.beta) - p.L1 * w1**2 * cos(p.bar + p.beta)
-    of_C = p.L2 * w2**2
+    d = p.d
+    w1, w4 = (Vo * of / sin(p.ear + p.phi) for of in (cos(p.phi) / d.L5, cos(p.ear) / d.L4))  # of the links at A and E
+    w2 = d.L1 * w1 * cos(p.bar) / (d.L2 * cos(p.beta))
+    e1 = (d.L5 * w1**2 * cos(p.ear + p.phi) - d.L4 * w4**2) / (d.L5 * sin(p.ear + p.phi))
+    of_B = d.L1 * e1 * sin(p.bar + p.beta) - d.L1 * w1**2 * cos(p.bar + p.beta)
+    of_C = d.L2 * w2**2
     return np.asarray(of_B - of_C * cos(p.beta) if printed else (of_B - of_C) / cos(p.beta))
 
 
