@@ -123,32 +123,15 @@ def motion(scene: Scene, request: Request, channels: frozenset[str] | None = Non
     return reference(scene, channels)(request.commanded(scene), request.times(scene))
 
 
-def checked_reference(scene: Scene) -> Solve:
-    """Return `reference` of a scene for all channels; Failure also where two branches meet on the drive's way."""
-    solve = reference(scene)
-    import_module("analytic").check_way(solve)
-    return solve
-
-
-def enclosures(scene: Scene, names: frozenset[str] | None, off: Mapping[str, float] | None = None) -> Enclosures:
-    """Return what the analytic core proves of channels and magnitudes, or of all, over the whole range of the drive.
-
-    With `off` it is of all machines whose numbers are off by no more than that, SI, by path.
-    """
-    return cast("Enclosures", import_module("analytic").enclose(scene, names, off=off))
-
-
-def assemblies(scene: Scene, *, circuits: bool = True) -> Assemblies:
-    """Return all assemblies where the sketch has the drive, by the analytic core, and which are on one circuit."""
-    return cast("Assemblies", import_module("analytic").assemblies(scene, circuits=circuits))
-
-
 def _of_core(name: str) -> Callable[..., Any]:
-    return lambda *arguments: getattr(import_module("analytic"), name)(*arguments)
+    return lambda *arguments, **named: getattr(import_module("analytic"), name)(*arguments, **named)
 
 
 # Functions of the analytic core, which is imported when one is called; they are documented there.
 route: Callable[[Scene], str] = _of_core("route")
+check_way: Callable[[Solve], None] = _of_core("check_way")
+enclosures: Callable[..., Enclosures] = _of_core("enclose")
+assemblies: Callable[..., Assemblies] = _of_core("assemblies")
 in_closed_form: Callable[[Scene], bool] = _of_core("in_closed_form")
 page_program: Callable[[Scene, Samples, Samples], Mapping[str, Any] | None] = _of_core("page_program")
 many: Callable[[Scene, ByName, frozenset[str]], SolveMany] = _of_core("many_solver")

@@ -131,7 +131,8 @@ def uncertified(scene: Scene) -> Reference:
         InputError: the output does not move, so that there is no scale.
     """
     mechanics, sampling = Mechanics(scene), Sampling(SCALE_SAMPLES)
-    solve = registry.checked_reference(scene)
+    solve = registry.reference(scene)
+    registry.check_way(solve)
     motion = solve(sampling.commanded(scene), sampling.times(scene))
     output, travel = scene.output, travels(scene, motion)
     stroke = abs(chord(motion[f"{output}.x"] + 1j * motion[f"{output}.y"]))

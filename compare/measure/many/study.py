@@ -155,7 +155,7 @@ class MonteCarlo:
         keys = {variation: at_path(scene, variation.path) for variation in scene.variations}
         off = {key: v.plus_minus * scene.size(scene.numbers[key]) for v, key in keys.items()}
         forces = frozenset(f"{pin.channel}.force" for pin in scene.pins if scene.has_masses)
-        found = registry.enclosures(scene, forces, off).rows if forces else ()
+        found = registry.enclosures(scene, forces, off=off).rows if forces else ()
         return {row.channel.rpartition(".")[0]: row for row in found if row.extreme == "most"}
 
     @cached_property

@@ -92,12 +92,13 @@ def test_the_reference_is_held_to_arbitrary_precision(ladder: str) -> None:
 
 
 def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = registry.checked_reference
+    real = registry.reference
 
-    def wrong(scene: scenes.Scene) -> registry.Solve:
+    def wrong(scene: scenes.Scene, _: frozenset[str] | None = None) -> registry.Solve:
         return lambda position, time: changed(real(scene)(position, time), "P3.fx", 1e-3, row=5)
 
-    monkeypatch.setattr(registry, "checked_reference", wrong)
+    monkeypatch.setattr(registry, "reference", wrong)
+    monkeypatch.setattr(registry, "check_way", lambda _: None)
     monkeypatch.setattr(
         "compare.mechanics.round_off._sensitivity", lambda _, true, __: dict.fromkeys(true.samples, 0 * true["time"])
     )
