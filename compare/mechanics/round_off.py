@@ -6,7 +6,7 @@ equation. Near a lock the second is by far the larger, since velocities have the
 thrice. The third is what forces leave that cancel in a joint.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import reduce
 
@@ -64,7 +64,7 @@ def explain(reference: Reference, sampling: Rows) -> Explained:
     """What is explained at the samples of a run, as commanded; a `Failure` where the reference has no motion there."""
     scene, mechanics = reference.scene, reference.mechanics
     true = reference.at(sampling.commanded(scene), sampling.times(scene))
-    moved = _sensitivity(mechanics, true, reference.errors)
+    moved = _sensitivity(reference, true)
     known, forces = mechanics.constraints.condition(true) * off_origin(mechanics, true), _forces(mechanics, true)
     largest = reduce(np.maximum, forces.values(), np.zeros_like(known))
     strongest = max(forces, key=lambda name: float(forces[name].max()), default="")
@@ -85,19 +85,17 @@ def _forces(mechanics: Mechanics, true: Motion) -> dict[str, Samples]:
     return loads | {f"the force {c}": size for c, size in joints.items()}
 
 
-def _sensitivity(
-    mechanics: Mechanics, true: Motion, errors: Callable[[Motion, Motion], Mapping[str, Samples]]
-) -> dict[str, Samples]:
+def _sensitivity(reference: Reference, true: Motion) -> dict[str, Samples]:
     """By how much each channel moves when lengths, places and drive are off by a few last places, shape (n,)."""
-    position = true[mechanics.scene.drive_channel]
-    least = 1e-3 * np.ptp(mechanics.scene.drive.extent)  # an angle that passes through zero is no better known there
+    position, neighbours = true[reference.scene.drive_channel], reference.mechanics.neighbours
+    least = 1e-3 * np.ptp(reference.scene.drive.extent)  # an angle that passes through zero is no better known there
     off = ULPS * EPS * np.maximum(np.abs(position), least)
     unknown = {channel: np.full(true["time"].shape, np.inf) for channel in true.samples}
-    moved: dict[str, Samples] = {} if mechanics.neighbours else unknown
-    for number, solve in enumerate(mechanics.neighbours):
+    moved: dict[str, Samples] = {} if neighbours else unknown
+    for number, solve in enumerate(neighbours):
         try:
             with np.errstate(invalid="ignore"):
-                by_channel = errors(solve(position + (-1) ** number * off, true["time"]), true)
+                by_channel = reference.errors(solve(position + (-1) ** number * off, true["time"]), true)
         except Failure:  # it cannot be assembled: then doubles know nothing of the motion
             return unknown
         for channel, error in by_channel.items():
