@@ -1,4 +1,4 @@
-"""What a member of a family costs: `python -m benchmarks.members [--members N] [--scene S --vary PATH=FROM:TO]`.
+"""What a member of a family costs: `python -m benchmarks.members [--members N]`.
 
 By stage in processor time, and in bytes; then the family by one worker, by two, and by two of which one is killed: from
 its first members to its last the processor time of the command and of its workers, and the time on the wall; and what
@@ -7,7 +7,7 @@ that would be on two cores that do nothing else: one worker has a core to itself
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
@@ -26,6 +26,8 @@ from compare.judge.floor import FLOOR_SAMPLES
 from compare.measure.many.family import Asked, solved_member
 from scenes import Sampling, load
 
+SCENE, PATH = "toggle_press", "bodies.rocker.lengths.O-P3"
+LEAST, MOST = 285.0, 315.0
 MACHINES = 2048
 
 
@@ -33,14 +35,11 @@ def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--members", type=int, default=40)
-    parser.add_argument("--scene", default="toggle_press")
-    parser.add_argument("--vary", default="bodies.rocker.lengths.O-P3=285:315")
     options = parser.parse_args()
-    path, _, span = options.vary.partition("=")
-    stages(options.scene, {path: float(span.partition(":")[0])})
+    stages()
     print("\n| workers | processor time a member: of the command | of workers | wall | on two free cores | table |")
     print("| --- | ---: | ---: | ---: | ---: | --- |")
-    job = [options.scene, "--vary", f"{options.vary}:{options.members}"]
+    job = [SCENE, "--vary", f"{PATH}={LEAST:g}:{MOST:g}:{options.members}"]
     with TemporaryDirectory() as folder:
         first = Path(folder) / "1"
         for workers, kill in ((1, False), (2, False), (2, True)):
@@ -48,22 +47,23 @@ def main() -> None:
             print(family(job, workers, out, first, kill=kill), flush=True)
 
 
-def stages(scene_name: str, change: Mapping[str, float]) -> None:
+def stages() -> None:
     """Print what one member costs, stage by stage."""
-    scene, sampling = load(scene_name, change), Sampling(360)
+    change = {PATH: LEAST}
+    scene, sampling = load(SCENE, change), Sampling(360)
     position, time = sampling.commanded(scene), sampling.times(scene)
     costs = {
-        "its scene read and changed": least(lambda: load(scene_name, change)),
+        "its scene read and changed": least(lambda: load(SCENE, change)),
         "a solver prepared, 360 positions, all channels": least(lambda: analytic.solver(scene)(position, time)),
     }
     for what, channels in (("all channels", None), ("the output alone", {f"{scene.output}.y"})):
-        changes = {path: np.linspace(0.999, 1.001, MACHINES) * value for path, value in change.items()}
+        changes = {PATH: np.linspace(0.999, 1.001, MACHINES) * LEAST}
         seconds = least(partial(analytic.solve_many, scene, changes, position, channels=channels)) / MACHINES
         costs[f"one of {MACHINES} by `solve_many`, 360 positions, {what}"] = seconds
     for engine in DEFAULT_ENGINES[1:]:
         costs[f"{engine}, 360 samples"] = least(partial(run, engine, scene, sampling))
     costs[f"arbitrary precision, {FLOOR_SAMPLES} samples"] = least(lambda: run(ORACLE, scene, Sampling(FLOOR_SAMPLES)))
-    asked = Asked(scene_name, DEFAULT_ENGINES, sampling)
+    asked = Asked(SCENE, DEFAULT_ENGINES, sampling)
     whole = least(lambda: solved_member(asked, change, scene, HERE, lambda _: None))
     costs["all of a member, judged"] = whole
     print("| of a member | processor time |\n| --- | ---: |")

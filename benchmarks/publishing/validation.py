@@ -2,7 +2,7 @@
 
 FOLDER has `values.csv`, a number a row: `scene,row,drive_position,time,channel,value,tolerance`, SI, the time empty
 where the drive's position is the axis; and `scenes/<scene>.toml`. Each scene's numbers become a table and run as by
-`--result`; a position that is there twice, forth and back, is in a second table. The page written, `--out`, has no
+`--result`; a position that is there twice, forth and back, is in a second table. The page written has no
 number of theirs: sources, how many values, and the agreement.
 """
 
@@ -53,7 +53,6 @@ def main() -> int:
     """Run all tables, write the page, and return 1 if a tolerance is missed or a scene is refused."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tables", type=Path, required=True)
-    parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
     values = pd.read_csv(options.tables / "values.csv", dtype=str, keep_default_na=False)
     with TemporaryDirectory() as folder:
@@ -64,7 +63,7 @@ def main() -> int:
     table = pd.DataFrame(found).rename(columns={"error": "largest error", "of_tolerance": "of its tolerance"})
     for column in ("largest error", "of its tolerance"):
         table[column] = table[column].map("{:.1e}".format)
-    options.out.write_text(f"{HEAD}{markdown(table)}\n", encoding="utf-8")
+    OUT.write_text(f"{HEAD}{markdown(table)}\n", encoding="utf-8")
     print(table.drop(columns="source").to_string(index=False))
     return int(any(each.status != "ok" or not each.of_tolerance <= 1 for each in found))
 
