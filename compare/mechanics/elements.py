@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes.elements.friction import Friction, GuideFriction, PinFriction
-from scenes.elements.loads import Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
+from scenes.elements.loads import ForceTable, GuideForce, Load, Moment, PlainLoad, PressForce, TabledLoad, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
 from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
@@ -69,7 +69,7 @@ def generalised(state: MotionVectors, pushes: Iterable[Push], arm: float) -> Sam
     return forces.reshape(len(forces), -1)
 
 
-def _of_force(state: MotionVectors, load: Load) -> Iterator[Push]:
+def _of_force(state: MotionVectors, load: PlainLoad | GuideForce | TableForce) -> Iterator[Push]:
     z, v, _ = state.point(load.at)
     yield Push(load.body, force(state, load), z, 0.0, v, f"the load at {load.at}")
 
@@ -134,18 +134,16 @@ def _turning(state: MotionVectors, body: str, at: str, name: str, moment: Sample
     return Push(body, np.zeros_like(z), z, moment + np.zeros(z.shape), v, name)
 
 
-def force(state: MotionVectors, load: Load) -> Vectors:
-    """The force of a load on its body, N, in the ground's frame; not of a moment."""
+def force(state: MotionVectors, load: PlainLoad | GuideForce | TableForce) -> Vectors:
+    """The force of a load on its body, N, in the ground's frame."""
     body = state.scene.bodies[load.body]
     match load:
         case ForceTable() | GuideForce():
             value: Any = _size(state, load, getattr(load, "force", None)) * state.along(body)
         case TableForce():
             value = _size(state, load) * complex(*load.direction)
-        case Force() | PressForce():
+        case _:
             value = complex(*load.force)
-        case Moment():
-            value = 0j
     vectors: Vectors = np.full(state.motion["time"].shape, value)
     if isinstance(load, PressForce):
         acting = zip(state.acting, press_forces(state.scene), strict=True)
@@ -153,9 +151,7 @@ def force(state: MotionVectors, load: Load) -> Vectors:
     return vectors * np.exp(1j * state.angle(load.body)) if getattr(load, "frame", GROUND) == "body" else vectors
 
 
-def _size(
-    state: MotionVectors, load: ForceTable | GuideForce | TableForce | Moment, constant: float | None = None
-) -> Any:
+def _size(state: MotionVectors, load: TabledLoad, constant: float | None = None) -> Any:
     return constant if load.table is None else load.table.at(argument(state, load.body, load.table))
 
 
