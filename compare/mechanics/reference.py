@@ -5,9 +5,9 @@ rounding decides whether they act: displacement and velocity say the one or the 
 model has its own. An engine is right on either side, as long as all its channels are on the same.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -101,22 +101,18 @@ class Reference:
         return Motion({**true.samples, **changed})
 
 
-@dataclass(frozen=True)
 class Remembering:
     """A solver that solves nothing twice: every engine's run of few samples is held against the same ones."""
 
-    solve: registry.Solve
-    known: deque[tuple[Samples, Samples, Motion]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
+    def __init__(self, solve: registry.Solve) -> None:
+        self.solve = solve
+        self._once = lru_cache(REMEMBERED)(lambda *of: solve(*map(np.frombuffer, of)))
 
     def __call__(self, position: Samples, time: Samples) -> Motion:
         """The motion at positions of the drive and instants."""
-        for before, then, motion in self.known:
-            if np.array_equal(before, position) and np.array_equal(then, time):
-                return motion
-        motion = self.solve(position, time)
-        if len(position) <= FEW:
-            self.known.append((position.copy(), time.copy(), motion))
-        return motion
+        if len(position) > FEW:
+            return self.solve(position, time)
+        return self._once(*(np.asarray(of, np.float64).tobytes() for of in (position, time)))
 
     def __reduce__(self) -> tuple[type["Remembering"], tuple[registry.Solve]]:
         """Have what it remembers stay in this process."""
