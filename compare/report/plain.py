@@ -1,14 +1,11 @@
 """Values as JSON has them: what is not finite becomes null, a pair of points `A-B`, a status its name."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from math import isfinite
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 
 def json_text(value: Any) -> str:
@@ -16,22 +13,17 @@ def json_text(value: Any) -> str:
     return json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def plain(value: Any, of_array: Callable[[NDArray[Any]], Any] | None = None) -> Any:
-    """Numbers, texts, data classes, mappings, sequences and arrays, in each other, in JSON's own types.
-
-    `of_array` is what an array becomes, a list if None.
-    """
+def plain(value: Any) -> Any:
+    """Numbers, texts, data classes, mappings, sequences and arrays, in each other, in JSON's own types."""
     if isinstance(value, float):
         return float(value) if isfinite(value) else None
     if type(value) in (str, int, bool):  # nearly all that is left
         return value
-    if of_array and (isinstance(value, np.ndarray) or hasattr(value, "to_numpy")):  # or a column of a data frame
-        return of_array(np.asarray(value))
     if is_dataclass(value):
-        return {field.name: plain(getattr(value, field.name), of_array) for field in fields(value)}
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
         return {
-            "-".join(sorted(key)) if isinstance(key, frozenset) else str(key): plain(part, of_array)
+            "-".join(sorted(key)) if isinstance(key, frozenset) else str(key): plain(part)
             for key, part in value.items()
         }
     if isinstance(value, frozenset):
@@ -39,5 +31,5 @@ def plain(value: Any, of_array: Callable[[NDArray[Any]], Any] | None = None) -> 
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, Iterable) and not isinstance(value, str):
-        return [plain(item, of_array) for item in value]
+        return [plain(item) for item in value]
     return value.item() if hasattr(value, "item") else value

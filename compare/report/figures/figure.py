@@ -20,7 +20,6 @@ from ..plain import plain
 
 Attributes: TypeAlias = Mapping[str, Any]  # as plotly names them
 
-TYPES = {"f4", "f8", "i1", "i2", "i4", "u1", "u2", "u4"}  # of arrays that a script takes as bytes
 CURVE = 2000  # points at most
 PAGE = 80_000  # of all curves; a point is 6 to 11 bytes of the page
 OF_A_STRETCH = 8  # ends, least, largest and gap of both coordinates; mostly four, where one of them only grows
@@ -66,7 +65,8 @@ class Figure:
 
     def json(self, most: int = CURVE) -> str:
         """What the script of a page draws, with at most so many points a curve."""
-        return json.dumps(plain({"data": thinned(self.traces, most, np.float32), "layout": self.layout}, _bytes))
+        traces = [{name: _packed(of) for name, of in each.items()} for each in thinned(self.traces, most, np.float32)]
+        return json.dumps(plain({"data": traces, "layout": self.layout}))
 
 
 def stacked(*heights: float) -> Figure:
@@ -167,9 +167,8 @@ def _is_curve(trace: Attributes) -> bool:
     return trace["type"] == "scatter" and "text" not in trace and len(trace["x"]) > 0
 
 
-def _bytes(values: NDArray[Any]) -> Any:
-    """An array as a script takes it."""
-    if (kind := values.dtype.str[1:]) not in TYPES:
-        return plain(values)
-    packed = {"dtype": kind, "bdata": b64encode(np.ascontiguousarray(values).data).decode()}
-    return packed | ({"shape": ", ".join(map(str, values.shape))} if values.ndim > 1 else {})
+def _packed(value: Any) -> Any:
+    """A value of a trace as a script takes it, an array of floats by its bytes."""
+    if not (isinstance(value, np.ndarray) and value.dtype.kind == "f"):
+        return value
+    return {"dtype": value.dtype.str[1:], "bdata": b64encode(value.tobytes()).decode()}

@@ -1,6 +1,6 @@
 // What a panel of a figure is drawn with: its numbers as texts, the ticks of its axes, its colours, symbols and lines.
 
-const ARRAYS = { f4: Float32Array, f8: Float64Array, i1: Int8Array, i2: Int16Array, i4: Int32Array, u1: Uint8Array };
+const ARRAYS = { f4: Float32Array, f8: Float64Array };
 const DASHES = { dash: [8, 5], dot: [2, 3], dashdot: [8, 4, 2, 4], longdash: [14, 5], longdashdot: [14, 4, 2, 4] };
 const FONT = "12px system-ui, sans-serif";
 const SYMBOLS = { // within a circle of radius 1, or a little more

@@ -30,7 +30,7 @@ class Chart {
   }
 
   read(trace, x, y) {
-    for (const name of ["x", "y", "z", "base"]) trace[name] = array(trace[name]);
+    for (const name of ["x", "y", "base"]) trace[name] = array(trace[name]);
     if (trace.type === "heatmap") { // its cells, row by row
       const wide = trace.text[0].length, cells = trace.text.flat().map((_, n) => n);
       for (const name of ["text", "customdata", "meta"]) trace[name] = trace[name].flat();
