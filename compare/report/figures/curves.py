@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scenes import Motion, Request, Scene
+from scenes import Motion, Request
 from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
@@ -117,10 +117,10 @@ def _floor(study: Study, panel: Panel) -> float:
     return max((study.reference.floor.by_channel.get(channel, 0.0) for channel in panel.judged), default=0.0)
 
 
-def over_angle(study: Study, panel: Panel) -> Figure:
-    """Draw one panel over the drive's position or the time: curves above, errors below."""
-    figure = stacked(0.6, 0.4)
-    over = axis(study.scene).of(study.motion)
+def over_angle(study: Study, panel: Panel, before: Motion | None = None) -> Figure:
+    """Draw one panel over the drive's position or the time: curves above, dashed an earlier run's; errors below."""
+    figure, across = stacked(0.6, 0.4), axis(study.scene)
+    over = across.of(study.motion)
     for curve, dash in zip(panel.curves, DASHES, strict=False):
         draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
     for number, m in enumerate(study.measurements):
@@ -139,18 +139,14 @@ def over_angle(study: Study, panel: Panel) -> Figure:
             draw(figure, f"{engine} error", there, error(study, panel, m.comparison), 2, group=engine, line=line)
     if floor := _floor(study, panel):
         draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
+    for curve in panel.curves:
+        if before and {*curve.factors, across.channel} <= before.samples.keys():
+            line = {"color": GREY, "dash": "dash", "width": 1.5}
+            draw(figure, BEFORE, across.of(before), curve.of(before), line=line)
     figure.update_yaxes(title=panel.axis, panel=1)
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, panel=2)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
     return figure.update_layout(layout(480))
-
-
-def draw_before(figure: Figure, scene: Scene, panel: Panel, motion: Motion) -> None:
-    """Draw the curves of a panel that the motion of an earlier run has, over the same axis, dashed."""
-    over, line = axis(scene), {"color": GREY, "dash": "dash", "width": 1.5}
-    for curve in panel.curves:
-        if {*curve.factors, over.channel} <= motion.samples.keys():
-            draw(figure, BEFORE, over.of(motion), curve.of(motion), line=line)
 
 
 def assur_groups(study: Study) -> Figure | None:

@@ -17,7 +17,7 @@ from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
 from ..bench.bench import Bench
-from ..figures.curves import assur_groups, chosen, draw_before, friction, over_angle, over_distance
+from ..figures.curves import assur_groups, chosen, friction, over_angle, over_distance
 from ..figures.figure import Attributes, Figure, affordable
 from ..figures.speed import work_precision
 from ..figures.style import FLOOR, ROUND_OFF
@@ -37,9 +37,7 @@ def page(study: Study, before: Before | None = None) -> str:
     """The whole report as HTML, beside an earlier run if there is one."""
     scene, (drawn, left_out), earlier = study.scene, chosen(study), before or Before((), {}, Motion({}))
     earlier = replace(earlier, motion=at_positions(scene, earlier.motion, study.motion))
-    panels = {panel.title: over_angle(study, panel) for panel in drawn}
-    for panel in drawn:
-        draw_before(panels[panel.title], scene, panel, earlier.motion)
+    panels = {panel.title: over_angle(study, panel, earlier.motion) for panel in drawn}
     groups, distance = assur_groups(study), over_distance(study)
     most = affordable(figure.traces for figure in (*panels.values(), groups, distance) if figure is not None)
     moving = MovingPicture(study, drawn, earlier)
