@@ -68,7 +68,10 @@ def sentences(study: Study) -> Iterator[str]:
 def _efficiency(study: Study) -> Iterator[str]:
     """Yield what of the drive's work the loads take in a cycle, and while they take power."""
     scene, cycle, name = study.scene, study.reference.cycle, cycle_name(study.scene)
-    power, taken = drive_power(MotionVectors(scene, cycle)), -_of_loads(study)
+    state = MotionVectors(scene, cycle)
+    power, pressed = drive_power(state), state.pressed(study.reference.stroke_ends)
+    pushes = (push for load in scene.loads for push in of_element(pressed, load))
+    taken = -sum((power_of(pressed, push) for push in pushes), np.zeros_like(power))  # of all loads
     drive, net, lost = _work(cycle, power), _work(cycle, taken), -_work(cycle, cycle["friction.power"])
     none = abs(net) <= NOTHING * _work(cycle, np.abs(taken))
     if none and abs(drive - lost) <= NOTHING * _work(cycle, np.abs(power)):
@@ -86,13 +89,6 @@ def _efficiency(study: Study) -> Iterator[str]:
         if given > load:
             of_it = f"{percent(load / given)} of it reaches the loads"
         yield f"While the loads take power, {_joules(load)}, the drive gives {_joules(given)}: {of_it}."
-
-
-def _of_loads(study: Study) -> Samples:
-    """The power of all loads on the bodies in a cycle, W."""
-    state = MotionVectors(study.scene, study.reference.cycle).pressed(study.reference.stroke_ends)
-    of_each = (power_of(state, push) for load in study.scene.loads for push in of_element(state, load))
-    return sum(of_each, np.zeros_like(state.motion["time"]))
 
 
 def frictionless(scene: Scene, motion: Motion) -> Samples:
