@@ -26,11 +26,6 @@ def bounds(study: Judgement) -> TableRows:
     return rows.values()
 
 
-def limits(study: Judgement) -> list[str]:
-    """Every limit of the scene with its outcome, in a sentence."""
-    return [f"{limit.text}." for limit in study.limits]
-
-
 def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
     """Yield what each extreme is not beyond."""
     shown, largest = units(study.reference), dict[str, float]()
