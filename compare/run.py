@@ -130,8 +130,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
             target = options.out / scene.name
             raise InputError(f"arguments: two scenes are named '{scene.name}', and both would write {target}")
         numbers_in(scene.file, [variation.path for variation in options.vary])
-    instead = ("--vary", "--monte-carlo", "--assemblies")
-    several = [name for name in instead if getattr(options, name[2:].replace("-", "_"))]
+    several = next((name for name in ("vary", "monte_carlo", "assemblies") if getattr(options, name)), "")
     for name, why in (
         ("full", "many linkages take one setting of an engine"),
         ("accuracy", "many linkages take the engines' defaults"),
@@ -141,10 +140,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         ("result", "a result is of one linkage"),
     ):
         if several and getattr(options, name):
-            raise InputError(f"arguments: --{name}: expected it without {several[0]}, since {why}")
-    if len(several) > 1:
-        expected = f"{several[0]}: expected it without {several[1]}, since each has linkages of its own"
-        raise InputError(f"arguments: {expected}")
+            raise InputError(f"arguments: --{name}: expected it without --{several.replace('_', '-')}, since {why}")
     if options.monte_carlo:
         for scene in scenes:
             if not scene.variations:

@@ -53,13 +53,14 @@ def parser() -> argparse.ArgumentParser:
     levels = f"{', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)"
     add("--accuracy", type=accuracy, help=f"the engines' settings: {levels}")
     about = "run a family instead, over a number of the scene file; may be given several times, for all combinations"
-    add("--vary", type=variation, action="append", default=[], metavar="PATH=FROM:TO:COUNT", help=about)
+    many = parser.add_mutually_exclusive_group().add_argument  # each has linkages of its own
+    many("--vary", type=variation, action="append", default=[], metavar="PATH=FROM:TO:COUNT", help=about)
     where = parser.add_mutually_exclusive_group().add_argument
     where("--workers", type=_count(1, 256), metavar="N", help="run the family by N processes, with Dask")
     where("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
     about = "draw so many machines from the scene's [[variations]] instead, and report what the tolerances do"
-    add("--monte-carlo", type=_count(2, MOST_MACHINES), metavar="N", help=about)
-    add("--assemblies", action="store_true", help="draw all ways to put the bodies together instead, with circuits")
+    many("--monte-carlo", type=_count(2, MOST_MACHINES), metavar="N", help=about)
+    many("--assemblies", action="store_true", help="draw all ways to put the bodies together instead, with circuits")
     add("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
     about = "judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]"
     add("--result", action="append", default=[], metavar="NAME=FILE.csv", help=about)

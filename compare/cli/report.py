@@ -25,7 +25,7 @@ from ..measure.many.grid import grid
 from ..measure.speed.timing import Budget
 from ..report.output import files
 from ..report.output.earlier import Change, Summary, before, last
-from ..report.plain import json_text
+from ..report.plain import plain
 from ..report.tables import assemblies as assembly_tables
 from ..report.tables import speed as speed_tables
 from ..report.tables.proof import sentences
@@ -80,7 +80,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
 
 def _since(scene: Scene, options: Namespace, known: Mapping[str, Any]) -> dict[str, list[Change]]:
     """What changed since the baseline and since the last run, for the summary, where there is one."""
-    new = Summary.model_validate_json(json_text(known))
+    new = Summary.model_validate(plain(known))
     old = {"since_baseline": (options.baseline or {}).get(scene.name), "since_last_run": last(options.out, scene)}
     return {name: changes(earlier, new) for name, earlier in old.items() if earlier}
 
@@ -194,9 +194,8 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     return stops(scene, able, options.format, () if able else ("every tolerance, since no member runs",))
 
 
-def assemblies(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+def assemblies(scene: Scene, _: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
     """Write all assemblies of a scene, and return that no tolerance was missed: none is looked at, nor any sample."""
-    del request
     show(f"{scene.name}: all assemblies")
     with solvable(scene):
         every = registry.assemblies(scene)

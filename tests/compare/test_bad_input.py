@@ -79,7 +79,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--monte-carlo", "1"], ["--monte-carlo: expected a whole number from 2 to 1000000, found '1'"]),
         (["--monte-carlo", "ten"], ["--monte-carlo: expected a whole number"]),
         (["--seed", "3"], ["--seed: expected it with --monte-carlo"]),
-        (["--monte-carlo", "10", "--vary", "drive.speed=1:2:3"], ["--vary: expected it without --monte-carlo"]),
+        (["--monte-carlo", "10", "--vary", "drive.speed=1:2:3"], ["--vary: not allowed with argument --monte-carlo"]),
         (["--monte-carlo", "10", "--full"], ["--full: expected it without --monte-carlo"]),
         (["--result", "theirs"], ["expected NAME=FILE.csv"]),
         (["--result", "analytic=a.csv"], ["'analytic' is the name of an engine"]),
