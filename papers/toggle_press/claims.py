@@ -8,7 +8,7 @@ import numpy as np
 from compare.engines import registry
 from compare.mechanics.motion_vectors import MotionVectors
 from compare.report.figures.figure import Figure, draw, stacked
-from compare.report.figures.style import DASHES, GREY, LEGEND_BESIDE, colour, layout, marker
+from compare.report.figures.style import DASHES, GREY, colour, layout, marker
 from scenes import load
 from scenes.model.motion import Samples
 
@@ -186,4 +186,4 @@ def _family() -> Figure:
         add(name, member, {"color": colour(place // 2), "dash": DASHES[1 - place % 2]})
     figure.update_yaxes(title="height [mm]")
     figure.update_xaxes(title="crank angle from the lowest point, counter-clockwise [deg]", dtick=60)
-    return figure.update_layout(layout(560) | {"legend": LEGEND_BESIDE})
+    return figure.update_layout(layout(560))

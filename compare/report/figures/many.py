@@ -76,7 +76,7 @@ def over_number(family: Family) -> Figure:
             draw(figure, alike, x, np.array(y), panel, mode="lines+markers", line=line)
         figure.update_yaxes(title=f"[{unit}]", panel=panel)
     figure.update_xaxes(title=first)
-    return figure.update_layout(layout(60 + 300 * -(-len(kinds) // 2), titled=True) | {"legend": LEGEND_BESIDE})
+    return figure.update_layout(layout(60 + 300 * -(-len(kinds) // 2), titled=True))
 
 
 def histograms(study: MonteCarlo) -> Figure:
@@ -115,4 +115,4 @@ def variance_shares(study: MonteCarlo) -> Figure:
         left += share
     figure.update_xaxes(title="share of the variance [%]", range=[0, 100])
     figure.update_yaxes(categories([capital(s.name) for s in shown]), automargin=True)
-    return figure.update_layout(layout(140 + 26 * len(shown)) | {"legend": LEGEND_BESIDE, "barmode": "overlay"})
+    return figure.update_layout(layout(140 + 26 * len(shown)), barmode="overlay")

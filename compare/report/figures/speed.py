@@ -32,8 +32,7 @@ def work_precision(study: Study) -> Figure:
     for label, of in (("largest error", figure), ("RMS error", rms)):
         numbers = {axis: [[*trace[axis]] for trace in of.traces] for axis in "xy"}
         choices.append({"label": label, "method": "restyle", "args": [numbers]})
-    place = {"x": 1, "xanchor": "right", "y": 1.01, "yanchor": "bottom", "pad": {"b": 25}}
-    menu = {"type": "buttons", "direction": "right", "buttons": choices} | place
+    menu = {"type": "buttons", "buttons": choices}
     arranged = layout(150 + 390 * -(-len(names) // COLUMNS), titled=True)
     return figure.update_layout(arranged, {"updatemenus": [menu], "margin": {"t": 110}})
 

@@ -67,8 +67,5 @@ def drive_axes(figure: Figure, scene: Scene, turns: int = 1, titled: int | None 
 
 
 def layout(height: int, *, titled: bool = False) -> dict[str, Any]:
-    """The layout of a figure of `height` px; where its panels are titled, with the legend above their titles."""
-    if not titled:
-        return LAYOUT | {"height": height}
-    plotted = height - 80 - MARGIN["b"]
-    return LAYOUT | {"height": height, "margin": MARGIN | {"t": 80}, "legend": LEGEND | {"y": 1 + 38 / plotted}}
+    """The layout of a figure of `height` px; where its panels are titled, with a place for their titles."""
+    return LAYOUT | {"height": height, "margin": MARGIN | {"t": 80 if titled else MARGIN["t"]}}
