@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 from scenes import Motion, Sampling, Scene, Settings
@@ -33,30 +32,25 @@ class Study(Judgement):
 
     motion: Motion  # the reference's, as commanded
     speed: Sequence[SpeedRow]  # one a setting
+    cheapest: Sequence[work_precision.Choice]  # setting for every error
+    orders: Sequence[work_precision.Order]  # of convergence, of every family
+    step_costs: Sequence[work_precision.StepCost]  # of every family
     maps: "DataFrame | None" = None  # of stability, one row a cell
     hard: "DataFrame | None" = None  # one row an attempt at a hard case
 
     @classmethod
     def of(cls, judged: Judgement, speed: Sequence[SpeedRow] = ()) -> Self:
-        """A judgement with the reference's motion, and what was measured of settings."""
+        """A judgement with the reference's motion, what was measured of settings, and what follows from that."""
         motion = judged.reference.at(judged.sampling.commanded(judged.scene), judged.sampling.times(judged.scene))
         known = {field.name: getattr(judged, field.name) for field in fields(Judgement)}
-        return cls(**known, motion=motion, speed=speed)
-
-    @cached_property
-    def cheapest(self) -> list[work_precision.Choice]:
-        """The cheapest setting for every error."""
-        return [*work_precision.choices(self.speed)]
-
-    @cached_property
-    def orders(self) -> list[work_precision.Order]:
-        """Every family's order of convergence, see `work_precision.orders`."""
-        return [*work_precision.orders(self.speed, group_floors(self.reference))]
-
-    @cached_property
-    def step_costs(self) -> list[work_precision.StepCost]:
-        """The cost of a step in every family, see `work_precision.step_costs`."""
-        return [*work_precision.step_costs(self.speed)]
+        return cls(
+            **known,
+            motion=motion,
+            speed=speed,
+            cheapest=[*work_precision.choices(speed)],
+            orders=[*work_precision.orders(speed, group_floors(judged.reference))],
+            step_costs=[*work_precision.step_costs(speed)],
+        )
 
 
 def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Study:

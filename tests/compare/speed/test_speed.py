@@ -12,6 +12,7 @@ import pytest
 import scenes
 from compare.engines import registry
 from compare.engines.registry import TIERS
+from compare.judge.agreement import Judgement
 from compare.measure.speed.row import SpeedRow
 from compare.measure.speed.speed_table import speed_table
 from compare.measure.speed.timing import Budget
@@ -175,8 +176,7 @@ def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngi
 
 def study_of(reference: Reference, speed: Sequence[SpeedRow]) -> Study:
     sampling = Sampling(72)
-    motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
-    return Study(reference.scene, sampling, reference, explain(reference, sampling), [], [], motion, speed)
+    return Study.of(Judgement(reference.scene, sampling, reference, explain(reference, sampling), [], []), speed)
 
 
 def test_the_sentence(reference: Reference) -> None:
