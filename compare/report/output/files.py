@@ -129,11 +129,9 @@ def write_assemblies(scene: Scene, every: Assemblies, folder: Path) -> Path:
     """Write `assemblies.html` and `assemblies.json` beside a scene's report, and return the folder."""
     from ..pages.many import assemblies_page  # late, as what is of families
 
-    with placed(folder, scene.name, ASSEMBLIES) as aside:
-        known = {"complete": every.complete, "position": every.position, "assemblies": every.found}
-        (aside / ASSEMBLIES[1]).write_text(json_text(known), encoding="utf-8")
-        (aside / ASSEMBLIES[0]).write_text(assemblies_page(scene, every), encoding="utf-8")
-    return folder / scene.name
+    known = {"complete": every.complete, "position": every.position, "assemblies": every.found}
+    with _result(scene, folder, ASSEMBLIES, known, partial(assemblies_page, scene, every), complete=True) as (_, place):
+        return place
 
 
 @contextmanager
