@@ -51,15 +51,15 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
 
 def _cells(rows: pd.DataFrame) -> dict[str, Any]:
     """The cells of one engine, with their colours as `meta`."""
-    labels, steps = [*dict.fromkeys(rows["label"])], sorted(set(rows["steps"]))
-    text, hover, shade = (np.full((len(steps), len(labels)), "", object) for _ in range(3))
-    for cell in rows.to_dict("records"):
-        place, error = (steps.index(cell["steps"]), labels.index(cell["label"])), cell["error"]
+    cells, texts, shades = rows.to_dict("records"), [], []
+    for error, status in ((cell["error"], Status[str(cell["status"])]) for cell in cells):
         rounded = f"{error:.0e}".replace("e-0", "e-").replace("e+00", "")
-        text[place], hover[place] = LETTERS.get(Status[str(cell["status"])], rounded), _hover(cell)
-        fine = cell["status"] == Status.ok.name
-        shade[place] = graded(1 - np.log10(min(max(error, LEAST), 1.0)) / np.log10(LEAST)) if fine else FAILED
-    return {"type": "heatmap", "text": text, "customdata": hover, "meta": shade, "hovertemplate": "%{customdata}"}
+        texts.append(LETTERS.get(status, rounded))
+        share = 1 - np.log10(min(max(error, LEAST), 1.0)) / np.log10(LEAST)
+        shades.append(graded(share) if status is Status.ok else FAILED)
+    place = {"x": pd.factorize(rows["label"])[0], "y": pd.factorize(rows["steps"], sort=True)[0]}
+    own = {"text": texts, "customdata": [*map(_hover, cells)], "meta": shades, "hovertemplate": "%{customdata}"}
+    return {"type": "heatmap", **place, **own}
 
 
 def _hover(cell: Mapping[Hashable, Any]) -> str:

@@ -31,12 +31,7 @@ class Chart {
 
   read(trace, x, y) {
     for (const name of ["x", "y", "base"]) trace[name] = array(trace[name]);
-    if (trace.type === "heatmap") { // its cells, row by row
-      const wide = trace.text[0].length, cells = trace.text.flat().map((_, n) => n);
-      for (const name of ["text", "customdata", "meta"]) trace[name] = trace[name].flat();
-      Object.assign(trace, { x: cells.map(n => n % wide), y: cells.map(n => Math.floor(n / wide)) });
-      trace.box = n => [trace.x[n] - 0.5, trace.x[n] + 0.5];
-    }
+    if (trace.type === "heatmap") trace.box = n => [trace.x[n] - 0.5, trace.x[n] + 0.5]; // its cells
     if (trace.type === "bar") trace.box = n => [trace.base[n], trace.base[n] + trace.x[n]];
     return Object.assign(trace, { X: scaled(trace.x, x.type === "log"), Y: scaled(trace.y, y.type === "log") });
   }
@@ -139,7 +134,7 @@ class Chart {
       const [from, to] = trace.box(n), ground = trace.meta?.[n] ?? colour(trace), edge = trace.meta ? ratio : 0;
       const [x0, y0] = place(from, trace.Y[n] + half), [x1, y1] = place(to, trace.Y[n] - half);
       ctx.fillStyle = ground;
-      if (ground) ctx.fillRect(x0, y0, x1 - x0 - edge, y1 - y0 - edge);
+      ctx.fillRect(x0, y0, x1 - x0 - edge, y1 - y0 - edge);
       ctx.fillStyle = parseInt(ground.slice(3, 5), 16) > 120 ? "#000" : "#fff";
       if (trace.meta) ctx.fillText(trace.text[n], (x0 + x1) / 2, (y0 + y1) / 2);
     });

@@ -76,7 +76,7 @@ const nearest = (u, [left, top], trace) => { // of a curve across, of points and
   if (left < 0 || trace.hoverinfo === "skip") return best;
   for (let n = 0; n < trace.X.length; n++) {
     const across = (trace.X[n] - x) / wide, off = (trace.top[n] - y) / high, [from, to] = trace.box?.(n) ?? [];
-    const inside = from <= x && x <= to && Math.abs(trace.Y[n] - y) < 0.5 && trace.meta?.[n] !== "" ? 0 : NaN;
+    const inside = from <= x && x <= to && Math.abs(trace.Y[n] - y) < 0.5 ? 0 : NaN;
     const distance = trace.box ? inside : markers ? Math.hypot(across, off) : Math.abs(across) + 0 * off;
     if (distance < least) [best, least] = [n, distance];
   }
@@ -176,5 +176,5 @@ const onPaper = async work => { // in the light
 const save = async chart => {
   const canvas = await onPaper(() => picture(chart, chart.width, sharp()));
   const name = chart.place.ariaLabel.split(/[.,:] /)[0].replace(/\W+/g, "_");
-  canvas.toBlob(blob => element("a", { href: URL.createObjectURL(blob), download: `${name}.png` }).click());
+  canvas.toBlob(blob => saved(blob, `${name}.png`));
 };

@@ -1,10 +1,5 @@
 // The picture as a file: as it stands, or its motion as a film that the browser records.
 const WIDE = 900, STILLS = 125, EACH = 40; // px; pictures of a film, ms each
-const saved = (blob, ending) => {
-  const link = element("a", { href: URL.createObjectURL(blob), download: `linkage.${ending}` });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-};
 const asFile = () => {
   const copy = svg.cloneNode(true), { width, height } = svg.viewBox.baseVal;
   copy.setAttribute("width", WIDE);
@@ -32,9 +27,9 @@ const film = async () => {
   recorder.stop();
   await finished;
   show(before);
-  saved(new Blob(parts, { type: "video/webm" }), "webm");
+  saved(new Blob(parts, { type: "video/webm" }), "linkage.webm");
 };
-find(".svg").onclick = () => saved(asFile(), "svg");
+find(".svg").onclick = () => saved(asFile(), "linkage.svg");
 find(".film").onclick = async ({ currentTarget }) => {
   stop();
   currentTarget.disabled = true;

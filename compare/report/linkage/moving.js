@@ -133,12 +133,13 @@ const pull = (n, engine) => {
   }
 };
 
-const outlines = engines.slice(1).map((_, e) => {
-  const path = made("path", svg.querySelector(".engines"), "engine");
-  path.style.stroke = head.colours[e + 1];
-  if (isBefore(e + 1)) path.style.strokeDasharray = "6 4";
+const ofColour = (engine, ...where) => { // a path of an engine, or of an earlier run
+  const path = made("path", ...where);
+  path.style.stroke = head.colours[engine];
+  if (isBefore(engine)) path.style.strokeDasharray = "6 4";
   return path;
-});
+};
+const outlines = engines.slice(1).map((_, e) => ofColour(e + 1, svg.querySelector(".engines"), "engine"));
 const magnified = (n, times) => outlines.forEach((path, e) => {
   const own = isBefore(e + 1) ? 1 : times; // an earlier run is always there, as it was
   const bodies = own ? Object.values(head.outlines) : [];

@@ -7,11 +7,7 @@ if (diagram) {
     const r = RADIUS * part;
     return `M${-r} 0A${r} ${r} 0 0 0 ${r} 0A${r} ${r} 0 0 0 ${-r} 0M${-r} 0H${r}M0 ${-r}V${r}`;
   }).join(""));
-  const curves = engines.map((_, e) => {
-    const path = made("path", sheet, "curve");
-    path.style.stroke = head.colours[e];
-    return path;
-  });
+  const curves = engines.map((_, e) => ofColour(e, sheet, "curve"));
   const tip = made("path", sheet, "tip"), chosenOne = () => head.vectors[chosen.value];
   const length = n => Math.hypot(...vector(chosenOne(), n));
   let scale = 0, whole = "";

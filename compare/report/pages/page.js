@@ -10,6 +10,11 @@ const inflated = id => {
 const pause = () => new Promise(done => setTimeout(done)); // between two tasks, so that none is long
 const unpacked = id => inflated(id).text();
 
+const saved = (blob, download) => {
+  const link = element("a", { href: URL.createObjectURL(blob), download });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+};
 const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
