@@ -19,6 +19,7 @@ from ..engines.runner import LARGEST
 
 BYTES = 50_000_000  # reading a table takes 3 s for every ten megabytes
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+TO_E = str.maketrans("dD", "ee")  # of powers of ten as Fortran writes them
 NUMBER = re.compile(r"[+-]?(?=\.?\d)\d*(?:\.\d*)?(?:[eEdD][+-]?\d{1,3})?")
 
 
@@ -38,8 +39,9 @@ class Table:
                 raise InputError(f"column '{shown}' is there {self.columns.count(column)} times; expected it once")
             raise InputError(f"no column '{shown}'{nearest(column, self.columns)}")
         texts = self.texts[self.columns.index(column)]
+        values = [float(text.translate(TO_E)) if NUMBER.fullmatch(text) else np.inf for text in texts]
         for row, text in enumerate(texts):
-            if not (NUMBER.fullmatch(text) and abs(_float(text)) <= LARGEST):
+            if not abs(values[row]) <= LARGEST:
                 cell = f"'{one_line(text, 30)}'" if text else "nothing"
                 raise InputError(f"row {row + 2}, column '{shown}': expected a number up to {LARGEST:g}, found {cell}")
         likes = texts  # of a column of one number, whose own digits show nothing, all that are in the file
@@ -49,16 +51,12 @@ class Table:
         last = np.full(len(texts), -float(decimals.max()))
         if (digits == digits.max()).sum() > (decimals == decimals.max()).sum():  # more are to the full in their digits
             last = np.array([_written(text)[2] for text in texts]) - digits.max() + 1
-        return np.array([_float(text) for text in texts]), 0.5 * 10.0**last
-
-
-def _float(text: str) -> float:
-    return float(text.replace("d", "e").replace("D", "e"))
+        return np.array(values), 0.5 * 10.0**last
 
 
 def _written(text: str) -> tuple[int, int, float]:
     """A number's decimals, its digits but for zeros in front, and the power of ten of the first; -inf of zero."""
-    number = Decimal(text.upper().replace("D", "E"))
+    number = Decimal(text.translate(TO_E))
     _, digits, power = number.as_tuple()  # of the last digit
     return (-int(power), len(digits), number.adjusted()) if number else (-int(power), 0, -np.inf)
 

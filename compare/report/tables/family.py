@@ -67,7 +67,7 @@ def overview(family: Family) -> TableRows:
         changes = (f"{value:.6g}" for value in member.changes.values())
         row: dict[str, object] = {**dict(zip(varied, changes, strict=True)), "status": member.status}
         row |= {header: text(numbers[kind]) if kind in numbers else "–" for kind, header, text in columns}
-        errors = [_error(family, m) for m in member.measurements] or ["–"] * len(family.engines)
+        errors = [*map(_error, member.measurements)] or ["–"] * len(family.engines)
         yield row | {f"{engine} error": error for engine, error in zip(family.engines, errors, strict=True)}
 
 
@@ -90,13 +90,10 @@ def _at_a_joint(peak: Peak) -> bool:
     return quantity(peak.channel) in AT_JOINTS
 
 
-def _error(family: Family, m: Measurement) -> str:
+def _error(m: Measurement) -> str:
     if m.run.status is not Status.ok:
         return m.run.status.name
-    worst = worst_error(family.scene, m)
-    if m.run.engine == REFERENCE and (worst is None or isnan(worst.size)):
-        return "not certified"
-    return f"{worst.size if worst else nan:.1e}"
+    return "not certified" if m.run.engine == REFERENCE and isnan(m.largest) else f"{m.largest:.1e}"
 
 
 def on_a_line(family: Family, member: Member) -> str:
@@ -104,7 +101,7 @@ def on_a_line(family: Family, member: Member) -> str:
     parts, numbers = [label(family, member), member.status], member.numbers
     shown = (numbers[kind] for kind in ON_A_LINE if kind in numbers)
     parts += [f"{peak.kind} {written(peak.value, peak.unit, ALONE, digits=DIGITS)}" for peak in shown]
-    parts += [f"{m.run.engine} {_error(family, m)}" for m in member.measurements]
+    parts += [f"{m.run.engine} {_error(m)}" for m in member.measurements]
     return "  ".join(parts if member.cycle else [*parts, member.reason])
 
 
@@ -135,8 +132,7 @@ def agreement(family: Family) -> Agreement:
     name, worst = max(judged, key=lambda member: WORST_LAST.index(member[1].word))
     if worst.word is Word.agrees:
         solved = [m for of in family.members for m in of.measurements if m.run.status is Status.ok]
-        errors = [(worst_error(family.scene, m), m.run.engine) for m in solved if m.run.engine != REFERENCE]
-        size, engine = max(((error.size, engine) for error, engine in errors if error), key=itemgetter(0))
+        size, engine = max(((m.largest, m.run.engine) for m in solved if m.run.engine != REFERENCE), key=itemgetter(0))
         to = f"with the reference to {within(size)}; {engine} is the farthest"
         word = Word.agrees if len(judged) == len(family.members) else Word.in_part
         return Agreement(word, f"{_ran(family)} On all that run the engines agree {to}.")
