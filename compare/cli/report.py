@@ -102,8 +102,8 @@ def print_result(result: Study) -> None:
     """Print the verdict, a line an engine, the reasons and causes."""
     lines = [str(result.agreement), *sentences(result)]
     for m in result.measurements:
-        worst = {group: m.worst().get(group, nan) for group in shown_groups(result.scene)}
-        errors = "  ".join(f"{group} {error:.1e}" for group, error in worst.items() if not isnan(error))
+        worst = m.worst()
+        errors = "  ".join(f"{g} {worst[g]:.1e}" for g in shown_groups(result.scene) if not isnan(worst.get(g, nan)))
         lines.append(f"{m.run.engine:14} {m.run.status.name:15} {errors}")
     lines += [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
     lines += [f"likely cause: {cause}" for cause in result.causes.values()]

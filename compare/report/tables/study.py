@@ -13,7 +13,6 @@ from scenes.model.motion import UNITS, quantity
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
-from ...judge.checks import Check
 from ...judge.errors import by_group as grouped
 from ...judge.errors import shown_groups, worst_of
 from ...judge.judgement import off_sketch
@@ -61,15 +60,14 @@ def by_group(study: Study) -> TableRows:
 
 def checks(study: Study) -> TableRows:
     """Yield the worst violation of each reference-free check by engine, and the body with it."""
-    at, every = f"max_at [{axis(study.scene).unit}]", dict[tuple[str, str], list[Check]]()
-    for engine, check in ((m.run.engine, check) for m in study.measurements for check in m.checks):
-        every.setdefault((engine, check.check), []).append(check)
-    worst = {key: max(of, key=lambda c: inf if isnan(c.worst) else c.worst) for key, of in every.items()}
-    least = 1e-6 * max((abs(c.max_at) for of in every.values() for c in of if not isnan(c.max_at)), default=0)
-    for (engine, kind), check in worst.items():
-        named = {"engine": engine, "check": kind, "of": check.of, "worst": check.worst}
-        place = check.max_at if abs(check.max_at) > least else 0.0  # round-off of 0
-        yield {**named, at: place, "relative to": check.relative_to}
+    places = [abs(check.max_at) for m in study.measurements for check in m.checks if not isnan(check.max_at)]
+    for m in study.measurements:
+        for kind in dict.fromkeys(check.check for check in m.checks):
+            of = (check for check in m.checks if check.check == kind)
+            check = max(of, key=lambda c: inf if isnan(c.worst) else c.worst)
+            named = {"engine": m.run.engine, "check": kind, "of": check.of, "worst": check.worst}
+            place = check.max_at if abs(check.max_at) > 1e-6 * max(places, default=0) else 0.0  # round-off of 0
+            yield {**named, f"max_at [{axis(study.scene).unit}]": place, "relative to": check.relative_to}
 
 
 def peaks(study: Study) -> TableRows:
