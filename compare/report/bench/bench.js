@@ -184,10 +184,9 @@ const toml = () => {
   const inline = v => Array.isArray(v) ? `[${v.map(inline).join(", ")}]` : isTable(v) ? `{ ${pairs(v, ", ")} }` : JSON.stringify(v);
   const lines = [];
   const section = (name, v) => lines.push(`\n[${name}]\n${pairs(v, "\n")}`);
-  const plain = Object.entries(tables).filter(([name, v]) => name === "units" || !(isTable(v) || isList(v)));
+  const plain = Object.entries(tables).filter(([, v]) => !(isTable(v) || isList(v)));
   lines.push(pairs({ ...Object.fromEntries(plain), name: `${tables.name}_edited` }, "\n"));
   for (const [name, v] of Object.entries(tables)) {
-    if (name === "units") continue;
     if (isList(v)) v.forEach(one => section(`[${name}]`, one));
     else if (isTable(v) && Object.values(v).every(isTable)) Object.entries(v).forEach(([inner, one]) => section(`${key(name)}.${key(inner)}`, one));
     else if (isTable(v)) section(key(name), v);

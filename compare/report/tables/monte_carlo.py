@@ -83,15 +83,13 @@ def _amount(study: MonteCarlo, number: Spread, value: float, sign: str = "") -> 
 
 
 def enclosed(study: MonteCarlo) -> TableRows:
-    """A row a pin: its largest force on the machines drawn, and on all that may be made, where that is proven."""
-    rows = []
+    """Yield a row a pin: its largest force on the machines drawn, and on all that may be made, where proven."""
     for k, (s, number) in enumerate(zip(study.spreads, study.numbers, strict=True)):
         if number.kind == AT_JOINTS["reaction"] and s.deviation > 0 and (row := study.enclosed.get(s.of)):
             drawn, made = study.values[s.largest, k] - s.nominal, row.high - s.nominal
             shown = {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
             shown |= {"largest drawn": _amount(study, s, drawn, "+"), "no machine above": _amount(study, s, made, "+")}
-            rows.append(shown | {"over the largest drawn": f"{made / drawn:.2f}"})
-    return rows
+            yield shown | {"over the largest drawn": f"{made / drawn:.2f}"}
 
 
 def shares(study: MonteCarlo) -> TableRows:
