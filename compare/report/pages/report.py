@@ -117,10 +117,9 @@ def described(title: str, figure: Figure) -> str:
 
 def _extremes(traces: Sequence[Attributes]) -> str:
     """The least and the largest value of some curves, each with its place and the name of its curve."""
-    known = [trace for trace in traces if np.isfinite(np.asarray(trace["y"], float)).any()]
-    if not known:
+    y, x = (np.concatenate([np.asarray(trace[axis], float) for trace in traces]) for axis in "yx")
+    if not np.isfinite(y).any():
         return "no values"
-    y, x = (np.concatenate([np.asarray(trace[axis], float) for trace in known]) for axis in "yx")
-    names = [trace["name"] for trace in known for _ in trace["y"]]
+    names = [trace["name"] for trace in traces for _ in trace["y"]]
     ends = (f"{short(float(y[n]))} ({names[n]}) at {short(float(x[n]))}" for n in (np.nanargmin(y), np.nanargmax(y)))
     return f"from {' to '.join(ends)}"
