@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import TYPE_CHECKING, Self
 
 from scenes import Motion, Sampling, Scene, Settings
@@ -13,7 +14,7 @@ from .engines.threads import one_thread
 from .judge.agreement import Judgement
 from .judge.errors import group_floors
 from .judge.floor import establish
-from .judge.judgement import Offers, judgement
+from .judge.judgement import judgement
 from .judge.measure import offers, promising
 from .measure.speed import work_precision
 from .measure.speed.row import SpeedRow
@@ -94,7 +95,7 @@ def study(
         reference = establish(scene, sampling.channels, runs)
 
         def judged_by(speed: Sequence[SpeedRow]) -> Judgement:
-            return judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs, results)
+            return judgement(reference, engines, sampling, partial(_offers, accuracy, speed), report, runs, results)
 
         first = judged_by(()) if isinstance(accuracy, str) else None  # so that a stop leaves the main runs
         if first and budget == NO_CLOCK:
@@ -106,27 +107,20 @@ def study(
     return Study.of(judged, speed)
 
 
-def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
-    """What to try of an engine: by the name of its settings, or by the errors and times of a speed table."""
-
-    def by_name(engine: str) -> tuple[Sequence[Settings], str]:
-        offered = offers(engine, str(accuracy))
-        return offered, noted(engine, offered[0])
-
-    def by_error(engine: str) -> tuple[Sequence[Settings], str]:
-        level = float(accuracy)
-        cheapest = work_precision.within(engine, level, speed)
-        offered = promising(level, (*cheapest, *[*tiers(engine).values()][::-1]))
+def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow], engine: str) -> tuple[Sequence[Settings], str]:
+    """What to try of an engine, and why: by the name of its settings, or by the errors and times of a speed table."""
+    if isinstance(accuracy, str):
+        settings, why = offers(engine, accuracy), ""
+    else:
+        cheapest = work_precision.within(engine, accuracy, speed)
+        settings = promising(accuracy, (*cheapest, *[*tiers(engine).values()][::-1]))
+        level = f"measured to be within {accuracy:g} in every group"
+        why = f"{engine}: no setting was {level}; run at its most accurate one"
         if cheapest:
-            why = f"{engine}: {offered[0].label} is the cheapest measured to be within {level:g} in every group"
-            return offered, why
-        why = f"{engine}: no setting was measured to be within {level:g} in every group; run at its most accurate one"
-        return offered, "; ".join(filter(None, (why, noted(engine, offered[0]))))
-
-    def noted(engine: str, settings: Settings) -> str:
-        return f"{engine}, {settings.label}: {settings.note}" if settings.note else ""
-
-    return by_name if isinstance(accuracy, str) else by_error
+            why = f"{engine}: {settings[0].label} is the cheapest {level}"
+    first = settings[0]
+    note = f"{engine}, {first.label}: {first.note}" if first.note else ""
+    return settings, "; ".join(filter(None, (why, note)))
 
 
 def _left_out(names: Sequence[str], done: int, able: Sequence[str], measured: int, *, full: bool) -> Iterator[str]:

@@ -135,12 +135,12 @@ def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.Mo
 def test_an_accuracy_by_name(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
     """A note goes with its settings."""
     for tier, own in zip(TIERS, (stub.FAST, stub.DEFAULT, stub.EXACT), strict=True):
-        (settings, *_), why = _offers(tier, table())("stub")
+        (settings, *_), why = _offers(tier, table(), "stub")
         assert (settings, why) == (own, "")
     monkeypatch.setattr(StubEngine, "EXACT", second_order(72, note="for show"))
     speed = table(("stub", "72 steps", 1.0, 1e-3))
     for accuracy in ("exact", 1e-9):
-        (settings, *_), why = _offers(accuracy, speed)("stub")
+        (settings, *_), why = _offers(accuracy, speed, "stub")
         assert settings.label == stub.EXACT.label
         assert why.endswith(f"stub, {stub.EXACT.label}: for show")
 
@@ -150,7 +150,7 @@ def test_an_accuracy_by_number(reference: Reference, monkeypatch: pytest.MonkeyP
     """Neither what has no error in a group is chosen for it, nor what has a note."""
     monkeypatch.setattr(StubEngine, "WORK_PRECISION", (second_order(72, note="for show"), *StubEngine.WORK_PRECISION))
     speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
-    (settings, *_), _ = _offers(1e-2, speed)("stub")
+    (settings, *_), _ = _offers(1e-2, speed, "stub")
     assert settings.label == StubEngine.WORK_PRECISION[1].label == "72 steps"
     speed = [
         replace(row, errors={**row.errors, "torque_max": nan}) if row.setting == "72 steps" else row for row in speed
@@ -160,7 +160,7 @@ def test_an_accuracy_by_number(reference: Reference, monkeypatch: pytest.MonkeyP
         (1e-5, "360 steps", "within 1e-05"),
         (1e-9, "3600 steps", "no setting was measured to be within 1e-09"),
     ):
-        (settings, *_), why = _offers(level, speed)("stub")
+        (settings, *_), why = _offers(level, speed, "stub")
         assert settings.label == label
         assert said in why
 
