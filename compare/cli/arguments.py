@@ -2,8 +2,9 @@
 
 import argparse
 from argparse import ArgumentTypeError
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fnmatch import fnmatchcase
+from functools import partial
 from numbers import Integral
 from pathlib import Path
 
@@ -46,8 +47,8 @@ def parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file")
     add("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    add("--samples", type=_count(FEWEST, 100_000), default=360, help="samples per cycle of the drive (360)")
-    add("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
+    add("--samples", type=partial(_count, FEWEST, 100_000), default=360, help="samples per cycle of the drive (360)")
+    add("--turns", type=partial(_count, 1, 10_000), default=1, help="cycles of the drive (1)")
     parser.add_out("the reports")
     add("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
     levels = f"{', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)"
@@ -56,12 +57,12 @@ def parser() -> argparse.ArgumentParser:
     many = parser.add_mutually_exclusive_group().add_argument  # each has linkages of its own
     many("--vary", type=variation, action="append", default=[], metavar="PATH=FROM:TO:COUNT", help=about)
     where = parser.add_mutually_exclusive_group().add_argument
-    where("--workers", type=_count(1, 256), metavar="N", help="run the family by N processes, with Dask")
+    where("--workers", type=partial(_count, 1, 256), metavar="N", help="run the family by N processes, with Dask")
     where("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
     about = "draw so many machines from the scene's [[variations]] instead, and report what the tolerances do"
-    many("--monte-carlo", type=_count(2, MOST_MACHINES), metavar="N", help=about)
+    many("--monte-carlo", type=partial(_count, 2, MOST_MACHINES), metavar="N", help=about)
     many("--assemblies", action="store_true", help="draw all ways to put the bodies together instead, with circuits")
-    add("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
+    add("--seed", type=partial(_count, 0, 2**32 - 1), metavar="K", help="of these draws (0)")
     about = "judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]"
     add("--result", action="append", default=[], metavar="NAME=FILE.csv", help=about)
     add("--full", action="store_true", help="take more settings of each engine, timed for longer")
@@ -86,13 +87,10 @@ def _engines(text: str) -> list[str]:
     return names
 
 
-def _count(least: int, most: int) -> Callable[[str], int]:
-    def parse(text: str) -> int:
-        if not (text.isdecimal() and len(text) < 20 and least <= int(text) <= most):
-            raise ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{one_line(text, 40)}'")
-        return int(text)
-
-    return parse
+def _count(least: int, most: int, text: str) -> int:
+    if not (text.isdecimal() and len(text) < 20 and least <= int(text) <= most):
+        raise ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{one_line(text, 40)}'")
+    return int(text)
 
 
 def accuracy(text: str) -> Accuracy:
