@@ -8,6 +8,7 @@ with starting(__name__):
     import argparse
     from collections.abc import Sequence
     from contextlib import nullcontext
+    from functools import partial
     from importlib.metadata import version
     from pathlib import Path
     from typing import Any
@@ -106,7 +107,7 @@ def _run(options: argparse.Namespace) -> int:
             for scene, request in zip(scenes, requests, strict=True):
                 try:
                     with annotated(scene.file):
-                        missed.append(run(scene, request, options, show))
+                        missed.append(run(scene, request, options, partial(show, scene.name)))
                 except UnsolvedError as unsolved:  # the others go on
                     print_line(str(unsolved))
                     refused += 1

@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     check_writable(options.out, ["audit"], FILES)
     with shown_progress() as show:
-        claims, notes = audit(lambda doing: show(f"audit: {doing}"))
+        claims, notes = audit(lambda doing: show("audit", doing))
         show("audit: writing the page")
         folder = write(claims, notes, options.out)
     for source, rows in claims.items():

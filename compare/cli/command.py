@@ -164,21 +164,21 @@ def command(run: Callable[P, int]) -> Callable[P, int]:
 
 
 @contextmanager
-def shown_progress(doing: str = "") -> Iterator[Callable[[str], None]]:
+def shown_progress(doing: str = "") -> Iterator[Callable[..., None]]:
     """A function that shows what is being done on a line of the terminal; elsewhere nothing is shown or imported.
 
-    Lines that are printed meanwhile stay whole, and go where standard output goes.
+    It takes one text or more. Lines that are printed meanwhile stay whole, and go where standard output goes.
     """
     if sys.stderr is None or not sys.stderr.isatty():
-        yield lambda _: None
+        yield lambda *_: None
         return
     from rich.console import Console
     from rich.live import Live
     from rich.spinner import Spinner
     from rich.text import Text
 
-    def show(doing: str) -> None:
-        spinner.update(text=Text(doing, no_wrap=True, overflow="ellipsis"))
+    def show(*doing: str) -> None:
+        spinner.update(text=Text(": ".join(doing), no_wrap=True, overflow="ellipsis"))
 
     spinner = Spinner("line", Text(doing))
     together = sys.stdout is not None and sys.stdout.isatty()

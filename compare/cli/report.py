@@ -32,13 +32,13 @@ from ..report.tables.proof import sentences
 from ..study import Study, judged, study
 
 
-def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[..., None]) -> bool:
     """Write one scene's report, and return whether it misses a tolerance."""
 
     def progress(doing: str) -> None:
         if stopping():
             raise Stopped
-        show(f"{scene.name}: {doing}")
+        show(doing)
 
     budget = Budget(rounds=20, seconds=0.15)
     if options.full:
@@ -59,7 +59,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
         raise
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
-    show(f"{scene.name}: writing the report")
+    show("writing the report")
     since = {} if stopped else _since(scene, options, files.summary(result))
     if (changed := since.get("since_baseline")) is not None:
         result.reasons.extend(map(str, changed) if changed else ["nothing changed since the baseline"])
@@ -151,7 +151,7 @@ def show_page(what: str, page: Path, unfinished: str, options: Namespace) -> Non
             print(f"{page}: no browser was found to open it")
 
 
-def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[..., None]) -> bool:
     """Write one scene's family, and return whether a member misses a tolerance, or none runs."""
     from ..engines.processes.cluster import cluster
     from ..measure.many.family import Asked, Family
@@ -162,7 +162,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     family = Family(scene, options.vary, options.engines)
 
     def progress(doing: str) -> None:
-        show(f"{scene.name}: member {len(family.members) + 1} of {len(members)}: {doing}")
+        show(f"member {len(family.members) + 1} of {len(members)}", doing)
 
     asked = Asked(scene.file, options.engines, request)
     kept = kept_members(options.out, scene, asked)
@@ -194,9 +194,9 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[
     return stops(scene, able, options.format, () if able else ("every tolerance, since no member runs",))
 
 
-def assemblies(scene: Scene, _: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+def assemblies(scene: Scene, _: Sampling, options: Namespace, show: Callable[..., None]) -> bool:
     """Write all assemblies of a scene, and return that no tolerance was missed: none is looked at, nor any sample."""
-    show(f"{scene.name}: all assemblies")
+    show("all assemblies")
     with solvable(scene):
         every = registry.assemblies(scene)
     folder = files.write_assemblies(scene, every, options.out)
@@ -207,24 +207,21 @@ def assemblies(scene: Scene, _: Sampling, options: Namespace, show: Callable[[st
     return False
 
 
-def monte_carlo(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+def monte_carlo(scene: Scene, request: Sampling, options: Namespace, show: Callable[..., None]) -> bool:
     """Write what one scene's tolerances do, and return whether the linkage as drawn misses a tolerance."""
     from ..judge.canaries.canaries import canaries
     from ..measure.many.study import begun, solved
     from ..report.tables.monte_carlo import ran, verdicts
 
-    def progress(doing: str) -> None:
-        show(f"{scene.name}: {doing}")
-
-    study = begun(scene, options.monte_carlo, options.seed or 0, options.engines, request, progress)
+    study = begun(scene, options.monte_carlo, options.seed or 0, options.engines, request, show)
     try:
         for block in solved(study):
             study.blocks.append(block)
-            progress(f"{study.count:,} of {study.asked:,} machines")
+            show(f"{study.count:,} of {study.asked:,} machines")
     except KeyboardInterrupt:
         if not study.blocks:
             raise
-    progress("writing the report")
+    show("writing the report")
     page = files.write_monte_carlo(study, options.out) / "monte_carlo.html"
     for sentence in (ran(study), *verdicts(study)):
         print(f"{scene.name}  {sentence}")
