@@ -44,14 +44,6 @@ WORK_PRECISION = (
     _differences(360),
 )
 LONG_WORK_PRECISION = tuple(map(_differences, (72, 720, 1440, 3600, 36_000, 360_000)))
-FAST = EXACT = DEFAULT
-ABLATIONS: tuple[AnalyticSettings, ...] = ()
-at_steps = iterations_needed = None  # it takes no steps
-
-
-def version() -> str:
-    """Return the versions of what does the work."""
-    return f"numpy {np.__version__}"
 
 
 class AnalyticSimulation:

@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeAlias, cast
 from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
 from scenes.model.enclosures import Assemblies, Enclosures, MotionRange
+from scenes.model.engine import completed
 from scenes.model.motion import Request, Samples
 
 from . import outside
@@ -93,9 +94,9 @@ def check_names(names: Iterable[str]) -> None:
 
 
 def engine(name: str) -> Engine[Any]:
-    """An engine's offer: its module, or of one from outside its settings, without its code."""
+    """An engine's offer: what its module has, or of one from outside its settings, without its code."""
     entry = ENTRIES[name]
-    return outside.offered(entry)[0] if entry.outside else cast("Engine[Any]", import_module(entry.module))
+    return outside.offered(entry)[0] if entry.outside else completed(import_module(entry.module), entry.version)
 
 
 def refused(name: str) -> Ended | None:
@@ -105,9 +106,13 @@ def refused(name: str) -> Ended | None:
 
 
 def imported(name: str) -> Engine[Any]:
-    """Return an engine's module to run it in this process, imported now."""
+    """Return an engine to run it in this process, imported now with what does its work: no clock times that."""
     entry = ENTRIES[name]
-    return outside.imported(entry) if entry.outside else engine(name)
+    if entry.outside:
+        return outside.imported(entry)
+    own = engine(name)  # first: Exudyn's package prepares the import
+    import_module(entry.package)
+    return own
 
 
 def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:

@@ -7,31 +7,21 @@ accelerations and multipliers in them from linear systems.
 """
 
 from functools import partial
-from importlib import metadata
 
 from scenes import Request, Scene
-from scenes.elements import PLAIN_KINDS
 from scenes.model.engine import Simulation
 
 from ..coordinates.settings import NEWTON, PoseSettings, ladder
 
 _runge_kutta = partial(ladder, PoseSettings, "Runge-Kutta", 4)
-KINDS = PLAIN_KINDS
-FAST = DEFAULT = EXACT = NEWTON
+DEFAULT = NEWTON
 WORK_PRECISION = (*_runge_kutta(72, 144, 360, 720), DEFAULT)
 LONG_WORK_PRECISION = _runge_kutta(1440, 2880)
-ABLATIONS: tuple[PoseSettings, ...] = ()
-iterations_needed = None  # no step iterates: Newton's method is not one of them
 
 
 def at_steps(steps: int) -> PoseSettings:
     """Return the settings of an integration with that many steps per cycle, for maps of stability."""
     return _runge_kutta(steps)[0]
-
-
-def version() -> str:
-    """Return the version of CasADi."""
-    return f"casadi {metadata.version('casadi')}"
 
 
 def build(scene: Scene, settings: PoseSettings, request: Request) -> Simulation:

@@ -16,14 +16,7 @@ from .settings import ExudynSettings, Pointwise
 KINDS = ALL_KINDS
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
-at_steps, iterations_needed = named.at_steps, None  # a step is solved by Newton's method
-
-
-def version() -> str:
-    """The version of Exudyn."""
-    import exudyn  # late, here and below: importing takes longer than most runs
-
-    return f"exudyn {exudyn.__version__}"
+at_steps = named.at_steps
 
 
 def build(scene: Scene, settings: ExudynSettings, request: Request) -> Simulation:
@@ -32,7 +25,7 @@ def build(scene: Scene, settings: ExudynSettings, request: Request) -> Simulatio
     Failure: `unsupported`, the scene or the request cannot be modelled; `cannot_assemble`, `wrong_branch` or
     `not_converged`, no pose on the sketch's branch, there or on the way to the start or through the cycle; `crashed`.
     """
-    import exudyn
+    import exudyn  # late: importing takes longer than most runs
 
     from .runs.simulation import PointwiseSimulation, failure
     from .runs.stepping import TimeSteppedSimulation

@@ -9,10 +9,8 @@ a leapfrog of order 2, whose rates belong to the middle of a step, and whose for
 
 from dataclasses import replace
 from functools import partial
-from importlib import metadata
 
 from scenes import Request, Scene
-from scenes.elements import PLAIN_KINDS
 from scenes.model.engine import Simulation
 
 from ..coordinates.settings import ladder
@@ -21,7 +19,6 @@ from .settings import MujocoSettings
 # A driven crank is as soft as any joint: it is off by as much as gaps open in a step.
 _hard = partial(ladder, MujocoSettings, "closed in a step", 2, drive_promise=1e-3)
 NOTE = "MuJoCo's defaults for constraints, 0.02 s and a tenth soft: joints open by as much as that lets them"
-KINDS = PLAIN_KINDS
 FAST = DEFAULT = replace(_hard(1440)[0], promise=1e-2)
 EXACT = replace(_hard(7200)[0], promise=1e-3)
 WORK_PRECISION: tuple[MujocoSettings, ...] = (
@@ -31,18 +28,11 @@ WORK_PRECISION: tuple[MujocoSettings, ...] = (
     MujocoSettings("defaults, 720", steps=720, hard=False, family="defaults", note=NOTE),
 )
 LONG_WORK_PRECISION: tuple[MujocoSettings, ...] = (EXACT, *_hard(14400))
-ABLATIONS: tuple[MujocoSettings, ...] = ()
-iterations_needed = None  # a step's equations are solved by Newton's method
 
 
 def at_steps(steps: int) -> MujocoSettings:
     """Return the settings of that many steps per cycle, for maps of stability."""
     return _hard(steps)[0]
-
-
-def version() -> str:
-    """Return the version of MuJoCo."""
-    return f"mujoco {metadata.version('mujoco')}"
 
 
 def build(scene: Scene, settings: MujocoSettings, request: Request) -> Simulation:

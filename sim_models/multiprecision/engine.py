@@ -17,11 +17,7 @@ from scenes.model.engine import Simulation
 from .settings import MultiprecisionSettings
 
 KINDS = ALL_KINDS
-FAST = DEFAULT = EXACT = MultiprecisionSettings("50 digits", promise=1e-12)
-WORK_PRECISION = (DEFAULT,)
-LONG_WORK_PRECISION: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
-ABLATIONS: tuple[MultiprecisionSettings, ...] = ()
-at_steps = iterations_needed = None  # it takes no steps of the time
+DEFAULT = MultiprecisionSettings("50 digits", promise=1e-12)  # more digits change no double
 
 
 def version() -> str:

@@ -11,18 +11,14 @@ from functools import partial
 from importlib import metadata
 
 from scenes import Request, Scene
-from scenes.elements import PLAIN_KINDS
 from scenes.model.engine import Simulation
 
 from ..coordinates.settings import NEWTON, PoseSettings, ladder
 
 _baumgarte = partial(ladder, PoseSettings, "Baumgarte", 2, drive_promise=0.1)
-KINDS = PLAIN_KINDS
-FAST = DEFAULT = EXACT = NEWTON
+DEFAULT = NEWTON
 WORK_PRECISION = (*_baumgarte(72, 144, 360, 720), DEFAULT)
 LONG_WORK_PRECISION = _baumgarte(1440, 2880)
-ABLATIONS: tuple[PoseSettings, ...] = ()
-iterations_needed = None  # no step iterates
 
 
 def at_steps(steps: int) -> PoseSettings:
