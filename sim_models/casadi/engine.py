@@ -11,17 +11,12 @@ from functools import partial
 from scenes import Request, Scene
 from scenes.model.engine import Simulation
 
-from ..coordinates.settings import NEWTON, PoseSettings, ladder
+from ..coordinates.settings import NEWTON, PoseSettings, rung
 
-_runge_kutta = partial(ladder, PoseSettings, "Runge-Kutta", 4)
 DEFAULT = NEWTON
-WORK_PRECISION = (*_runge_kutta(72, 144, 360, 720), DEFAULT)
-LONG_WORK_PRECISION = _runge_kutta(1440, 2880)
-
-
-def at_steps(steps: int) -> PoseSettings:
-    """Return the settings of an integration with that many steps per cycle, for maps of stability."""
-    return _runge_kutta(steps)[0]
+at_steps = partial(rung, PoseSettings, "Runge-Kutta", 4)
+WORK_PRECISION = (*map(at_steps, (72, 144, 360, 720)), DEFAULT)
+LONG_WORK_PRECISION = tuple(map(at_steps, (1440, 2880)))
 
 
 def build(scene: Scene, settings: PoseSettings, request: Request) -> Simulation:

@@ -21,6 +21,6 @@ class PoseSettings(Settings):
 NEWTON = PoseSettings("Newton", promise=1e-6)
 
 
-def ladder(kind: Callable[..., S], method: str, order: float, *steps: int, **options: Any) -> tuple[S, ...]:
-    """Return the settings of one method, of a kind, at several numbers of steps a cycle."""
-    return tuple(kind(f"{method}, {n}", steps=n, family=method, order=order, **options) for n in steps)
+def rung(kind: Callable[..., S], method: str, order: float, steps: int, **options: Any) -> S:
+    """Return the settings of one method, of a kind, at a number of steps a cycle."""
+    return kind(f"{method}, {steps}", steps=steps, family=method, order=order, **options)

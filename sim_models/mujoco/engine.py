@@ -13,26 +13,21 @@ from functools import partial
 from scenes import Request, Scene
 from scenes.model.engine import Simulation
 
-from ..coordinates.settings import ladder
+from ..coordinates.settings import rung
 from .settings import MujocoSettings
 
 # A driven crank is as soft as any joint: it is off by as much as gaps open in a step.
-_hard = partial(ladder, MujocoSettings, "closed in a step", 2, drive_promise=1e-3)
+at_steps = partial(rung, MujocoSettings, "closed in a step", 2, drive_promise=1e-3)
 NOTE = "MuJoCo's defaults for constraints, 0.02 s and a tenth soft: joints open by as much as that lets them"
-FAST = DEFAULT = replace(_hard(1440)[0], promise=1e-2)
-EXACT = replace(_hard(7200)[0], promise=1e-3)
+FAST = DEFAULT = replace(at_steps(1440), promise=1e-2)
+EXACT = replace(at_steps(7200), promise=1e-3)
 WORK_PRECISION: tuple[MujocoSettings, ...] = (
-    *_hard(72, 144, 360, 720),
+    *map(at_steps, (72, 144, 360, 720)),
     DEFAULT,
-    *_hard(3600),
+    at_steps(3600),
     MujocoSettings("defaults, 720", steps=720, hard=False, family="defaults", note=NOTE),
 )
-LONG_WORK_PRECISION: tuple[MujocoSettings, ...] = (EXACT, *_hard(14400))
-
-
-def at_steps(steps: int) -> MujocoSettings:
-    """Return the settings of that many steps per cycle, for maps of stability."""
-    return _hard(steps)[0]
+LONG_WORK_PRECISION: tuple[MujocoSettings, ...] = (EXACT, at_steps(14400))
 
 
 def build(scene: Scene, settings: MujocoSettings, request: Request) -> Simulation:

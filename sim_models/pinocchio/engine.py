@@ -13,17 +13,12 @@ from importlib import metadata
 from scenes import Request, Scene
 from scenes.model.engine import Simulation
 
-from ..coordinates.settings import NEWTON, PoseSettings, ladder
+from ..coordinates.settings import NEWTON, PoseSettings, rung
 
-_baumgarte = partial(ladder, PoseSettings, "Baumgarte", 2, drive_promise=0.1)
 DEFAULT = NEWTON
-WORK_PRECISION = (*_baumgarte(72, 144, 360, 720), DEFAULT)
-LONG_WORK_PRECISION = _baumgarte(1440, 2880)
-
-
-def at_steps(steps: int) -> PoseSettings:
-    """Return the settings of an integration with that many steps per cycle, for maps of stability."""
-    return _baumgarte(steps)[0]
+at_steps = partial(rung, PoseSettings, "Baumgarte", 2, drive_promise=0.1)
+WORK_PRECISION = (*map(at_steps, (72, 144, 360, 720)), DEFAULT)
+LONG_WORK_PRECISION = tuple(map(at_steps, (1440, 2880)))
 
 
 def version() -> str:
