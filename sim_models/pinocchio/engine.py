@@ -8,7 +8,6 @@ constraints, or from accelerations that are integrated in time.
 """
 
 from functools import partial
-from importlib import metadata
 
 from scenes import Request, Scene
 from scenes.model.engine import Simulation
@@ -19,11 +18,6 @@ DEFAULT = NEWTON
 at_steps = partial(rung, PoseSettings, "Baumgarte", 2, drive_promise=0.1)
 WORK_PRECISION = (*map(at_steps, (72, 144, 360, 720)), DEFAULT)
 LONG_WORK_PRECISION = tuple(map(at_steps, (1440, 2880)))
-
-
-def version() -> str:
-    """Return the version of Pinocchio."""
-    return f"pinocchio {metadata.version('pin')}"
 
 
 def build(scene: Scene, settings: PoseSettings, request: Request) -> Simulation:
