@@ -7,7 +7,7 @@ plane are complex numbers, x + iy.
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.model.motion import force_channels
+from scenes.model.motion import force_channels, kinematic_channels
 from scenes.scene import GROUND
 
 from .system import Array, ExudynSystem
@@ -23,23 +23,18 @@ def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
 
 
 def kinematics(system: ExudynSystem, q: Array, v: Array, a: Array | None = None) -> dict[str, Array]:
-    """The channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
-    scene = system.scene
-    every = {scene.drive_channel: system.driven(q)}
+    """The channels of points and angles, by coordinates, their rates and accelerations; without these not a number."""
+    scene, levels = system.scene, (q, v, np.full_like(q, np.nan) if a is None else a)
+    values = [system.driven(q)]
     for point in scene.moving_points:
         body = scene.owners[point][0]
-        (c, phi), (dc, omega) = system.pose_of(body, q), system.pose_of(body, v)
+        (c, phi), (dc, omega), (ddc, alpha) = (system.pose_of(body, of) for of in levels)
         arm = system.bodies[body].points[point] * np.exp(1j * phi)
-        vectors = {"": c + arm, "v": dc + 1j * omega * arm}
-        if a is not None:
-            ddc, alpha = system.pose_of(body, a)
-            vectors["a"] = ddc + (1j * alpha - omega**2) * arm
-        for level, vector in vectors.items():
-            every |= {f"{point}.{level}x": vector.real, f"{point}.{level}y": vector.imag}
+        for vector in (c + arm, dc + 1j * omega * arm, ddc + (1j * alpha - omega**2) * arm):
+            values += [vector.real, vector.imag]
     for name in scene.turning:
-        rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
-        every |= {f"{name}.{rate}": system.pose_of(name, of)[1] for rate, of in rates.items()}
-    return every
+        values += [system.pose_of(name, of)[1] for of in levels]
+    return dict(zip(kinematic_channels(scene)[1:], values, strict=True))
 
 
 def forces(system: ExudynSystem, multipliers: Array) -> dict[str, Array]:
