@@ -6,7 +6,7 @@ The balls' radii include the rounding of the geometry, so a result's radius boun
 from functools import cached_property
 
 import numpy as np
-from flint import arb, arb_mat
+from flint import acb, arb, arb_mat
 
 from scenes import Scene
 from scenes.model.constraints import groups
@@ -14,7 +14,7 @@ from scenes.scene import GROUND
 
 from .bodies import local_points, weight
 from .drive import law_of
-from .rows import EquationRows, PlaneVector, axis_vector, vector
+from .rows import AXES, EquationRows, dot
 
 
 class LinkageEquations:
@@ -30,15 +30,15 @@ class LinkageEquations:
         self.scene = scene
         self.law = law_of(scene.drive)
         self.index = {name: i for i, name in enumerate(scene.bodies)}
-        self.arms: dict[str, dict[str, PlaneVector]] = {}  # from the centre of mass to the points, in the body's frame
-        self.origins: dict[str, PlaneVector] = {}  # and to the frame's origin
+        self.arms: dict[str, dict[str, acb]] = {}  # from the centre of mass to the points, in the body's frame
+        self.origins: dict[str, acb] = {}  # and to the frame's origin
         self.mass: list[arb] = []  # of every coordinate, kg or kg m^2
         for name in self.index:
             body = scene.bodies[name]
             local = local_points(scene, body)
             mass, com, inertia = weight(body, local)
-            self.arms[name] = {point: (x - com[0], y - com[1]) for point, (x, y) in local.items()}
-            self.origins[name] = -com[0], -com[1]
+            self.arms[name] = {point: place - com for point, place in local.items()}
+            self.origins[name] = -com
             self.mass += mass, mass, inertia
         self.constraints = self._constraints()
         pattern = self.constraints.pattern
@@ -47,7 +47,7 @@ class LinkageEquations:
         self.points = EquationRows(2 * len(scene.moving_points), len(self.index))  # x and y, as its first body has it
         for k, point in enumerate(scene.moving_points):
             for axis in (0, 1):
-                self.add_point(self.points, 2 * k + axis, axis_vector(axis), scene.owners[point][0], point)
+                self.add_point(self.points, 2 * k + axis, AXES[axis], scene.owners[point][0], point)
         self.position = EquationRows(1, len(self.index), int(scene.driven_slide is not None))  # of the drive
         self._add_drive(self.position, 0)
 
@@ -57,19 +57,18 @@ class LinkageEquations:
         goal[goal.nrows() - 1, 0] = arb(value)
         return goal
 
-    def add_point(self, rows: EquationRows, row: int, weight: PlaneVector, body: str, point: str) -> None:
+    def add_point(self, rows: EquationRows, row: int, weight: acb, body: str, point: str) -> None:
         """Add the projection w·p of a point of a body or of the ground to a row."""
         if body == GROUND:
-            x, y = self.scene.ground[point]
-            rows.k[row, 0] += weight[0] * x + weight[1] * y
+            rows.k[row, 0] += dot(weight, acb(*self.scene.ground[point]))
         else:
             rows.add_point(row, weight, self.index[body], self.arms[body][point])
 
     def add_way(self, rows: EquationRows, row: int, start: tuple[str, str], end: tuple[str, str]) -> None:
         """Add the way from one point of a body to another of another, x to a row and y to the next."""
         for axis in (0, 1):
-            self.add_point(rows, row + axis, axis_vector(axis), *end)
-            self.add_point(rows, row + axis, axis_vector(axis, -1), *start)
+            self.add_point(rows, row + axis, AXES[axis], *end)
+            self.add_point(rows, row + axis, -AXES[axis], *start)
 
     def add_angle(self, rows: EquationRows, row: int, name: str, on: str) -> None:
         """Add the angle of a body from another; that of the ground is zero."""
@@ -81,14 +80,14 @@ class LinkageEquations:
         """Return one row: the displacement of a slider's first point, or of another, along its guide, m."""
         slide = self.scene.slides[body]
         rows = EquationRows(1, len(self.index), int(slide.on != GROUND))
-        self._add_projection(rows, 0, body, point or self.scene.bodies[body].points[0], vector(slide.along))
+        self._add_projection(rows, 0, body, point or self.scene.bodies[body].points[0], acb(*slide.along))
         return rows
 
     @cached_property
     def size(self) -> float:
         """A length of the linkage's order, m: the spread of its points, or the driven slider's travel."""
         known = np.array([*self.scene.drawn.values()] or [0j])
-        arms = (np.hypot(float(x), float(y)) for arms in self.arms.values() for x, y in arms.values())
+        arms = (abs(complex(arm)) for arms in self.arms.values() for arm in arms.values())
         travel = 0.0 if self.scene.driven_slide is None else np.ptp(self.scene.drive.extent)
         return float(max(*np.abs(known - known.mean()), *arms, travel)) or 1.0
 
@@ -105,8 +104,7 @@ class LinkageEquations:
         for k, pin in enumerate(scene.pins):
             self.add_way(rows, 2 * k, (pin.first, pin.point), (pin.second, pin.point))
         for k, (name, slide) in enumerate(scene.slides.items(), start=len(scene.pins)):
-            x, y = vector(slide.along)
-            self._add_projection(rows, 2 * k, name, scene.bodies[name].points[0], (-y, x))
+            self._add_projection(rows, 2 * k, name, scene.bodies[name].points[0], AXES[1] * acb(*slide.along))
             self.add_angle(rows, 2 * k + 1, name, slide.on)
         self._add_drive(rows, count - 1)
         return rows
@@ -117,9 +115,9 @@ class LinkageEquations:
         if slide is None:
             self.add_angle(rows, row, name, self.scene.drive_on)
         else:
-            self._add_projection(rows, row, name, self.scene.bodies[name].points[0], vector(slide.along))
+            self._add_projection(rows, row, name, self.scene.bodies[name].points[0], acb(*slide.along))
 
-    def _add_projection(self, rows: EquationRows, row: int, name: str, point: str, direction: PlaneVector) -> None:
+    def _add_projection(self, rows: EquationRows, row: int, name: str, point: str, direction: acb) -> None:
         """Add the way from `through` of a guide to a point P of its slider, projected on a direction e of the guide.
 
         On a moving body with the frame z + e^{iθ}, it is e·(e^{-iθ} (P - z) - through). Since the frames are
@@ -127,17 +125,13 @@ class LinkageEquations:
         slide's other row keeps zero: what is left is linear but for the way from one centre of mass to the other.
         """
         slide, slider, arm = self.scene.slides[name], self.index[name], self.arms[name][point]
-        rows.k[row, 0] -= _dot(direction, vector(slide.through))
+        rows.k[row, 0] -= dot(direction, acb(*slide.through))
         if slide.on == GROUND:
             rows.add_point(row, direction, slider, arm)
             return
         carrier = self.index[slide.on]
-        rows.k[row, 0] += _dot(direction, arm) - _dot(direction, self.origins[slide.on])
+        rows.k[row, 0] += dot(direction, arm) - dot(direction, self.origins[slide.on])
         rows.add_guide(row, direction, carrier, slider)
-        lever = _dot(direction, (-arm[1], arm[0]))
+        lever = dot(direction, AXES[1] * arm)
         rows.add_angle(row, slider, lever)
         rows.add_angle(row, carrier, -lever)
-
-
-def _dot(u: PlaneVector, v: PlaneVector) -> arb:
-    return u[0] * v[0] + u[1] * v[1]

@@ -5,13 +5,13 @@ from itertools import pairwise
 from math import ceil, floor, pi, tau
 from typing import TypeAlias
 
-from flint import arb, arb_mat
+from flint import acb, arb, arb_mat
 
 from scenes import Failure, Status
 from scenes.scene import ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
-from .rows import EquationRows, PlaneVector, vector
+from .rows import EquationRows
 from .start import closing_sign
 
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat, arb], arb_mat]  # of q, its rate, both (3 bodies, 1); time, s
@@ -33,8 +33,7 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
     springs += [_torsion_spring(linkage, spring, start) for spring in scene.torsion_springs]
     if scene.gravity is not None:
         for i in linkage.index.values():
-            m = linkage.mass[3 * i]
-            weight.add_point(0, (m * scene.gravity[0], m * scene.gravity[1]), i, (arb(0), arb(0)))
+            weight.add_point(0, linkage.mass[3 * i] * acb(*scene.gravity), i, acb(0))
 
     def total(q: arb_mat, velocity: arb_mat, time: arb) -> arb_mat:
         Q = weight.jacobian(q).transpose()
@@ -66,20 +65,21 @@ def _unit_force(linkage: LinkageEquations, load: Load) -> UnitForce:
     elif isinstance(load, ForceTable | GuideForce):  # what moves along the guide against what has it
         work = linkage.displacement(load.body, load.at)
     else:
-        force = _unit(load.along) if isinstance(load, TableForce) else vector(load.force)
+        force = acb(*(load.along if isinstance(load, TableForce) else load.force))
+        force = force / abs(force) if isinstance(load, TableForce) else force
         if not isinstance(load, PressForce) and load.frame == "body":
             return _turning(linkage, load, force)
         linkage.add_point(work, 0, force, load.body, load.at)
     return lambda q: work.jacobian(q).transpose()
 
 
-def _turning(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitForce:
+def _turning(linkage: LinkageEquations, load: Load, force: acb) -> UnitForce:
     """Return a force F in its body's frame, at the arm s: e^{iθ} F, and the moment s × F, which does not change."""
-    i, (x, y), (u, v) = 3 * linkage.index[load.body], linkage.arms[load.body][load.at], force
+    i, moment = 3 * linkage.index[load.body], (linkage.arms[load.body][load.at].conjugate() * force).imag
 
     def of(q: arb_mat) -> arb_mat:
-        Q, (sin, cos) = arb_mat(q.nrows(), 1), q[i + 2, 0].sin_cos()
-        Q[i, 0], Q[i + 1, 0], Q[i + 2, 0] = cos * u - sin * v, sin * u + cos * v, x * v - y * u
+        Q, turned = arb_mat(q.nrows(), 1), force * acb(0, q[i + 2, 0]).exp()
+        Q[i, 0], Q[i + 1, 0], Q[i + 2, 0] = turned.real, turned.imag, moment
         return Q
 
     return of
@@ -154,9 +154,3 @@ def _torsion_spring(linkage: LinkageEquations, spring: TorsionSpring, start: arb
         return row.C.transpose() * size
 
     return moment
-
-
-def _unit(along: tuple[float, float]) -> PlaneVector:
-    x, y = vector(along)
-    length = (x * x + y * y).sqrt()
-    return x / length, y / length

@@ -1,32 +1,33 @@
 """The one form that every equation of a planar linkage has in absolute coordinates, in arbitrary-precision balls.
 
-The coordinates are q = (x, y, θ) of every body's centre of mass and x axis. A point of a body is r + e^{iθ} s, so every
-pin, drive, observed point, load and slide on the ground is a row that is linear but for the angles:
+The coordinates are q = (x, y, θ) of every body's centre of mass and x axis; plane vectors are complex balls, x + iy. A
+point of a body is r + e^{iθ} s, so every pin, drive, observed point, load and slide on the ground is a row that is
+linear but for the angles:
 
-    f(q) = k + C q + U cos θ - V sin θ                                       (1)
+    f(q) = k + C q + Re(W e^{iθ})                                            (1)
 
 A slide on a moving body a projects the way d = r_b - r_a to its slider b on a direction n that turns with a, and
-(e^{iθ} n)·d is a row (1) whose U and V are linear in q. All that f is nonlinear in is y = S q: the angles, and such d
+(e^{iθ} n)·d is a row (1) whose W is linear in q. All that f is nonlinear in is y = S q: the angles, and such d
 over the linkage's size L, so that y has no unit. Jacobian and second derivative along a motion q(t) follow without
 further geometry:
 
-    J = df/dq = C + B S,   B = [-(U diag(sin θ) + V diag(cos θ)), L e^{iθ} n]           (2)
-    f'' = J q'' - (U diag(cos θ) - V diag(sin θ)) θ'^2 - 2 (U' diag(sin θ) + V' diag(cos θ)) θ'    (3)
+    J = df/dq = C + B S,   B = [-Im(W diag(e^{iθ})), L e^{iθ} n]                        (2)
+    f'' = J q'' - Re(W diag(e^{iθ})) θ'^2 - 2 Im(W' diag(e^{iθ})) θ'                    (3)
 
-U' vanishes but for the slides on moving bodies, whose Coriolis term that is.
+W' vanishes but for the slides on moving bodies, whose Coriolis term that is.
 
 Systems with J are solved group by group, see `scenes.model.constraints`. Needs python-flint; every function works at
 the precision that the caller has set in `flint.ctx`.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
-from flint import arb, arb_mat
+from flint import acb, arb, arb_mat
 
 from scenes.model.constraints import DiagonalBlock
 
-PlaneVector: TypeAlias = tuple[arb, arb]
+AXES = acb(1), acb(0, 1)  # the unit vectors of x and y
 AT_ONCE = 16  # equations: of so few at 50 digits, FLINT eliminates all in less time than their blocks are taken apart
 
 
@@ -37,12 +38,12 @@ class GuideTerm(NamedTuple):
     column: int  # of B, the first of two
     carrier: int  # the body that turns n, and where the way begins
     slider: int
-    direction: PlaneVector  # n, in the carrier's frame
+    direction: acb  # n, in the carrier's frame
 
-    def way(self, q: arb_mat) -> PlaneVector:
+    def way(self, q: arb_mat) -> acb:
         """Return d = r_b - r_a of a pose, or its derivative of a rate."""
         a, b = 3 * self.carrier, 3 * self.slider
-        return q[b, 0] - q[a, 0], q[b + 1, 0] - q[a + 1, 0]
+        return acb(q[b, 0] - q[a, 0], q[b + 1, 0] - q[a + 1, 0])
 
 
 class EquationRows:
@@ -58,7 +59,7 @@ class EquationRows:
         self.moved_by = [[3 * i + 2] for i in range(bodies)]  # the columns of S by row
         for i in range(bodies):
             self.S[i, 3 * i + 2] = arb(1)
-        self._levers: dict[tuple[int, int], PlaneVector] = {}  # entries of U and V by row and body
+        self._levers: dict[tuple[int, int], acb] = {}  # entries of W by row and body
         self._guides: list[GuideTerm] = []
         self._size = arb(size)
 
@@ -66,14 +67,13 @@ class EquationRows:
         """Add a body's angle θ times a factor to a row."""
         self.C[row, 3 * body + 2] += factor
 
-    def add_point(self, row: int, weight: PlaneVector, body: int, arm: PlaneVector) -> None:
+    def add_point(self, row: int, weight: acb, body: int, arm: acb) -> None:
         """Add the projection w·p of a body's point p = r + e^{iθ} s to a row, s being the `arm` in the body's frame."""
-        self.C[row, 3 * body] += weight[0]
-        self.C[row, 3 * body + 1] += weight[1]
-        (U, V), (u, v) = self._levers.get((row, body), (arb(0), arb(0))), _lever(weight, arm)
-        self._levers[row, body] = U + u, V + v
+        self.C[row, 3 * body] += weight.real
+        self.C[row, 3 * body + 1] += weight.imag
+        self._levers[row, body] = self._levers.get((row, body), acb(0)) + weight.conjugate() * arm
 
-    def add_guide(self, row: int, direction: PlaneVector, carrier: int, slider: int) -> None:
+    def add_guide(self, row: int, direction: acb, carrier: int, slider: int) -> None:
         """Add the way from the carrier's to the slider's centre of mass, projected on a direction of the carrier's.
 
         A row holds one such term at most; rows with the same way share its columns.
@@ -81,7 +81,7 @@ class EquationRows:
         ways = {(guide.carrier, guide.slider): guide.column for guide in self._guides}
         column = ways.get((carrier, slider), self.C.ncols() // 3 + 2 * len(ways))
         self._guides.append(GuideTerm(row, column, carrier, slider, direction))
-        self._levers.setdefault((row, carrier), (arb(0), arb(0)))
+        self._levers.setdefault((row, carrier), acb(0))
         for axis in (0, 1) if (carrier, slider) not in ways else ():
             self.S[column + axis, 3 * slider + axis] = 1 / self._size
             self.S[column + axis, 3 * carrier + axis] = -1 / self._size
@@ -89,19 +89,18 @@ class EquationRows:
 
     def value(self, q: arb_mat) -> arb_mat:
         """Return f(q) of (1), shape (rows, 1)."""
-        f, (sin, cos) = self.k + self.C * q, _sin_cos(q)
-        for (row, body), (u, v) in self._levers_at(q).items():
-            f[row, 0] += u * cos[body] - v * sin[body]
+        f, turns = self.k + self.C * q, _turns(q)
+        for (row, body), lever in self._levers_at(q).items():
+            f[row, 0] += (lever * turns[body]).real
         return f
 
     def varying(self, q: arb_mat) -> dict[tuple[int, int], arb]:
         """Return B of (2), the part of J that varies, for y = S q alone: the entries that are not zero."""
-        sin, cos = _sin_cos(q)
-        B = {(row, body): -(u * sin[body] + v * cos[body]) for (row, body), (u, v) in self._levers_at(q).items()}
+        turns = _turns(q)
+        B = {(row, body): -(lever * turns[body]).imag for (row, body), lever in self._levers_at(q).items()}
         for guide in self._guides:
-            (x, y), s, c = guide.direction, sin[guide.carrier], cos[guide.carrier]
-            B[guide.row, guide.column] = self._size * (x * c - y * s)
-            B[guide.row, guide.column + 1] = self._size * (x * s + y * c)
+            turned = self._size * (guide.direction * turns[guide.carrier])
+            B[guide.row, guide.column], B[guide.row, guide.column + 1] = turned.real, turned.imag
         return B
 
     def jacobian(self, q: arb_mat) -> arb_mat:
@@ -122,22 +121,20 @@ class EquationRows:
 
     def centripetal(self, q: arb_mat, rate: arb_mat) -> arb_mat:
         """Return J q'' - f'' of (3), shape (rows, 1), for q' = `rate`: the centripetal and the Coriolis terms."""
-        (sin, cos), omega = _sin_cos(q), angles(rate)
+        turns, omega = _turns(q), angles(rate)
         total = arb_mat(self.k.nrows(), 1)
-        for (row, body), (u, v) in self._levers_at(q).items():
-            total[row, 0] += (u * cos[body] - v * sin[body]) * omega[body] * omega[body]
+        for (row, body), lever in self._levers_at(q).items():
+            total[row, 0] += (lever * turns[body]).real * omega[body] * omega[body]
         for guide in self._guides:
-            u, v = _lever(guide.way(rate), guide.direction)
-            s, c = sin[guide.carrier], cos[guide.carrier]
-            total[guide.row, 0] += 2 * omega[guide.carrier] * (u * s + v * c)
+            lever = guide.way(rate).conjugate() * guide.direction
+            total[guide.row, 0] += 2 * omega[guide.carrier] * (lever * turns[guide.carrier]).imag
         return total
 
-    def _levers_at(self, q: arb_mat) -> dict[tuple[int, int], PlaneVector]:
-        """Return the entries of U and V of (1) by row and body, of a pose."""
+    def _levers_at(self, q: arb_mat) -> dict[tuple[int, int], acb]:
+        """Return the entries of W of (1) by row and body, of a pose."""
         levers = dict(self._levers)
         for guide in self._guides:
-            (U, V), (u, v) = levers[guide.row, guide.carrier], _lever(guide.way(q), guide.direction)
-            levers[guide.row, guide.carrier] = U + u, V + v
+            levers[guide.row, guide.carrier] += guide.way(q).conjugate() * guide.direction
         return levers
 
 
@@ -146,30 +143,19 @@ def angles(q: arb_mat) -> list[arb]:
     return [q[k, 0] for k in range(2, q.nrows(), 3)]
 
 
-def vector(xy: tuple[float, float]) -> PlaneVector:
-    """Return the scene's numbers as they are."""
-    return arb(xy[0]), arb(xy[1])
-
-
-def axis_vector(axis: int, sign: int = 1) -> PlaneVector:
-    """Return the unit vector of x, 0, or y, 1."""
-    return (arb(sign), arb(0)) if axis == 0 else (arb(0), arb(sign))
-
-
 def column(entries: Sequence[arb]) -> arb_mat:
     """Return the entries as a matrix of one column."""
     return arb_mat(len(entries), 1, entries)
 
 
-def _lever(weight: PlaneVector, arm: PlaneVector) -> PlaneVector:
-    """Return u and v of w·(e^{iθ} s) = u cos θ - v sin θ."""
-    (wx, wy), (x, y) = weight, arm
-    return wx * x + wy * y, wx * y - wy * x
+def dot(u: acb, v: acb) -> arb:
+    """Return u·v."""
+    return (u.conjugate() * v).real
 
 
-def _sin_cos(q: arb_mat) -> tuple[list[arb], list[arb]]:
-    sin, cos = zip(*(angle.sin_cos() for angle in angles(q)), strict=True)
-    return list(sin), list(cos)
+def _turns(q: arb_mat) -> list[acb]:
+    """Return e^{iθ} of every body."""
+    return [acb(0, angle).exp() for angle in angles(q)]
 
 
 def solved(groups: Sequence[DiagonalBlock], matrix: arb_mat, right: arb_mat, **how: Any) -> arb_mat:

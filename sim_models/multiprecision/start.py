@@ -57,7 +57,7 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
     own, at = {}, {}
     for name, arms in linkage.arms.items():
         shown = [point for point in scene.bodies[name].points if point in known]
-        own[name] = np.array([complex(float(arms[p][0]), float(arms[p][1])) for p in shown] or [0j])
+        own[name] = np.array([complex(arms[p]) for p in shown] or [0j])
         at[name] = np.array([known[p] for p in shown] or [middle])
     turn = {name: np.vdot(own[name] - own[name].mean(), at[name] - at[name].mean()) for name in own}
     total = {name: sum(turn[other] for other in turn if other in scene.aligned[name]) for name in turn}
@@ -82,7 +82,7 @@ def turn_of_guide(linkage: LinkageEquations, slider: str, position: float) -> co
     scene, slide, known = linkage.scene, linkage.scene.slides[slider], linkage.scene.drawn
 
     def place(name: str, point: str) -> complex:
-        return complex(*(float(x - o) for x, o in zip(linkage.arms[name][point], linkage.origins[name], strict=True)))
+        return complex(linkage.arms[name][point] - linkage.origins[name])
 
     first = scene.bodies[slider].points[0]
     for A, B in product(scene.bodies[slide.on].points, scene.bodies[slider].points):

@@ -83,8 +83,8 @@ def by_multiprecision(scene: Scene, body: Body) -> Properties:
     pytest.importorskip("flint")
     from sim_models.multiprecision.bodies import local_points, weight
 
-    _, (x, y), inertia = weight(body, local_points(scene, body))
-    return complex(float(x), float(y)), float(inertia)
+    _, com, inertia = weight(body, local_points(scene, body))
+    return complex(com), float(inertia)
 
 
 def by_judge(scene: Scene, body: Body) -> Properties:
