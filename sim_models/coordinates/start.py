@@ -35,10 +35,7 @@ def prepared(kind: Callable[[Scene], System], scene: Scene, whole_way: bool) -> 
 def begun(system: System, whole_way: bool) -> Start:
     """Return the start of a linkage; Failure where constraints repeat others, or no pose is on the sketch's branch."""
     poses, drawn = PathFollower(system), system.scene.sketched_drive
-    x, rows = system.placed(on_sketch(system, drawn)), len(system.row_units)
-    if len(x) != rows:
-        reason = f"{len(x)} coordinates and {rows} constraints: the reactions are not determined"
-        raise Failure(Status.unsupported, reason)
+    x = system.placed(on_sketch(system, drawn))
     pose, gaps = poses.pose(x), system.gaps(x)
     try:
         for share in np.linspace(0, 1, CLOSING + 1)[1:]:
@@ -98,14 +95,12 @@ def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> flo
     def closed(pose: ClosedPose) -> float:
         return closing * float(poses.system.slid(poses.system.moved(pose.x), body)[0].real)
 
-    known = {begin: (closed(start), start)}
+    known = {begin: start}
     for end in poses.scene.drive.extent:
         positions = np.linspace(begin, end, int(np.ceil(abs(end - begin) / step)) + 1)[1:].tolist()
-        for position, pose in zip(positions, poses.through(start, begin, positions), strict=True):
-            known[position] = closed(pose), pose
-    best = max(known, key=lambda position: known[position][0])
-    furthest, pose = known[best]
-    near = [pair for pair in pairwise(sorted(known)) if best in pair]
+        known |= zip(positions, poses.through(start, begin, positions), strict=True)
+    best = max(known, key=lambda position: closed(known[position]))
+    near, pose = [pair for pair in pairwise(sorted(known)) if best in pair], known[best]
     low, high = near[0][0], near[-1][1]
     refined = minimize_scalar(
         lambda position: -closed(next(poses.through(pose, best, [position]))),
@@ -113,4 +108,4 @@ def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> flo
         method="bounded",
         options={"xatol": ACCURACY * (high - low)},
     )
-    return closing * max(furthest, -float(refined.fun))
+    return closing * max(closed(pose), -float(refined.fun))

@@ -45,12 +45,11 @@ def _from_bases(scene: Scene, body: Body, local: dict[str, acb], point: str) -> 
 def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str) -> int:
     """Return +1 where the sketch shows a body's point to the left of the way from its first base to its second."""
     A, B, C = (scene.drawn[name] for name in (first, second, point))
-    size = abs(B - A) * abs(C - A)
-    sine = ((B - A).conjugate() * (C - A)).imag / size if size > 0 else 0.0
-    if not abs(sine) > FLAT:
+    turn = (B - A).conjugate() * (C - A)
+    if not abs(turn.imag) > FLAT * abs(turn):
         reason = f"the sketch shows {first}, {second}, {point} of '{body.name}' on one line, on no side"
         raise Failure(Status.cannot_assemble, reason)
-    return 1 if sine > 0 else -1
+    return 1 if turn.imag > 0 else -1
 
 
 def weight(body: Body, local: dict[str, acb]) -> tuple[arb, acb, arb]:
