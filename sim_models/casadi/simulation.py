@@ -71,11 +71,9 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     def _step(self) -> Compiled:
         """Return the function of a pose and a step of the drive, over its unit, that gives the next pose."""
         (_, jacobian, _), count = self._system.linkage.functions, len(self._start.x)
-        x, h, drive_row = MX.sym("x", count), MX.sym("h"), np.eye(count)[:, -1]
-        k = [casadi.solve(jacobian(x), drive_row, SOLVER)]
-        for part in (1 / 2, 1 / 2, 1):
-            k.append(casadi.solve(jacobian(x + part * h * k[-1]), drive_row, SOLVER))
-        return Compiled(Function("step", [x, h], [x + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])]))
+        x, h, nothing = MX.sym("x", count), MX.sym("h"), MX.sym("p", 0)
+        rate = Function("rate", [x, nothing], [casadi.solve(jacobian(x), np.eye(count)[:, -1], SOLVER)])
+        return Compiled(Function("step", [x, h], [casadi.simpleRK(rate, 1, 4)(x, nothing, h)]))
 
     def _compiled(self) -> Function:
         """Return the channels and the shortest spring as a function of x and the drive's rate and acceleration."""
