@@ -182,6 +182,9 @@ def test_steps_that_leave_the_branch_are_noticed(engine: Any) -> None:
 
 
 @pytest.mark.parametrize("name", ["exudyn", "pymunk", *(pytest.param(n, marks=SLOW) for n in ENGINES)])
-def test_nothing_is_imported_before_it_is_needed(name: str) -> None:
-    code = f"import sys, sim_models.{name}.engine; sys.exit({name!r} in sys.modules)"
+def test_nothing_is_imported_before_it_is_needed_and_all_before_a_clock_runs(name: str) -> None:
+    pytest.importorskip(name)
+    offered = f"import sys; from compare.engines import registry; registry.engine({name!r})"
+    imported = f"early = {name!r} in sys.modules; registry.imported({name!r})"
+    code = f"{offered}; {imported}; sys.exit(early or {name!r} not in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path(__file__).parents[2]).returncode == 0
