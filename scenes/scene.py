@@ -14,13 +14,13 @@ from typing import Annotated, Any, Literal
 from .bodies import GROUND, Body, DrawnBody, Slide
 from .drive import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
 from .elements.friction import Friction, GuideFriction, PinFriction
-from .elements.loads import Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
+from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
 from .elements.springs import Spring, TorsionSpring
 from .fields import Gravity, Number, Place, Position, Vector, put, walk
 
 __all__ = ["GROUND", "Body", "DrawnBody", "Pin", "Scene", "Sketch", "Slide", "Variation", "Vector"]
 __all__ += ["ConstantSpeed", "Drive", "HarmonicLaw", "MotionLaw", "SegmentedLaw"]
-__all__ += ["Force", "ForceTable", "GuideForce", "Load", "Moment", "PressForce", "TableForce"]
+__all__ += ["Force", "GuideForce", "Load", "Moment", "PressForce", "TableForce"]
 __all__ += ["Friction", "GuideFriction", "PinFriction", "Spring", "TorsionSpring"]
 
 SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}

@@ -18,7 +18,7 @@ import scenes
 from scenes import Scene
 from scenes.fields import put, walk
 from scenes.file.reader import numbers_in, tables_of
-from scenes.scene import GROUND, Body, ConstantSpeed, Drive, ForceTable, Load, Moment, MotionLaw, Spring, TorsionSpring
+from scenes.scene import GROUND, Body, ConstantSpeed, Drive, Load, Moment, MotionLaw, Spring, TorsionSpring
 
 from . import scene_files
 from .element_scenes import element_scenes
@@ -142,15 +142,13 @@ def _pull(spring: Spring | TorsionSpring) -> dict[str, Any]:
 
 def _load(load: Load) -> dict[str, Any]:
     given, table = dict[str, Any](vars(load)), getattr(load, "table", None)
-    if isinstance(load, ForceTable):
-        return {"body": load.body, "at": load.at, "table": [*zip(load.displacements, load.forces, strict=True)]}
     keys: dict[str, Any] = {
         key: given[key] for key in ("body", "at", "force", "moment", "last", "along", "frame") if key in given
     }
     if keys.get("frame") == "ground":
         del keys["frame"]
     if table is not None:
-        keys |= {"over": table.over, "periodic": table.periodic}
+        keys |= {} if load.kind == "force tables" else {"over": table.over, "periodic": table.periodic}
         keys["table"] = [*zip(table.arguments, table.values, strict=True)]
         if isinstance(load, Moment):
             del keys["at"]

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from scenes import Scene
 from scenes.bodies import GROUND, Body, Slide
 from scenes.drive import ConstantSpeed, Drive, MotionLaw, Samples
+from scenes.elements.tables import LoadCurve
 from scenes.laws import LAWS, HarmonicLaw, SegmentedLaw
-from scenes.scene import Force, ForceTable, Load, PressForce, Sketch, Spring
+from scenes.scene import Force, GuideForce, Load, PressForce, Sketch, Spring
 
 from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, signs, vectors, xy
 
@@ -183,8 +184,8 @@ def loads_on(scene: Scene) -> st.SearchStrategy[Load]:
     if not sliding:
         return constant
     table = st.tuples(numbers(-20, 20), numbers(-20, 20), numbers(-20, 20))
-    at = (-1.0, 0.1, 1.5)
-    tables = st.builds(lambda place, f: ForceTable(place[0], place[1], at, f), st.sampled_from(sliding), table)
+    curves = st.builds(lambda forces: LoadCurve(displacements=(-1.0, 0.1, 1.5), forces=forces), table)
+    tables = st.builds(lambda p, of: GuideForce(p[0], p[1], None, of, "force tables"), st.sampled_from(sliding), curves)
     return constant | tables | st.builds(_press, st.just(scene), st.sampled_from(sliding), signs, numbers(1, 20))
 
 

@@ -17,7 +17,7 @@ from compare.judge.measure import checked_run, measure
 from compare.mechanics.reference import uncertified
 from scenes import Failure, InputError, Sampling, Scene
 from scenes.elements import PLAIN_KINDS
-from scenes.scene import ForceTable, MotionLaw, PressForce
+from scenes.scene import MotionLaw
 
 from . import agreement
 from .true_errors import DRIVE, Truth, by_absolute
@@ -130,8 +130,8 @@ def features(scene: Scene) -> Iterator[str]:
     yield "crank" if scene.driven_slide is None else "slider"
     if isinstance(scene.drive, MotionLaw):
         yield "periodic-law" if scene.drive.periodic else "law-once"
-    for kind, name in ((PressForce, "press"), (ForceTable, "table")):
-        if any(isinstance(load, kind) for load in scene.loads):
+    for kind, name in (("press forces", "press"), ("force tables", "table")):
+        if any(load.kind == kind for load in scene.loads):
             yield name
     if scene.springs:
         yield "spring"

@@ -11,7 +11,7 @@ import numpy as np
 from scenes import Scene
 from scenes.elements.loads import TabledLoad
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce
+from scenes.scene import GROUND, Force, GuideForce, Moment, PressForce, Spring, TableForce
 from scenes.scene import TorsionSpring as Twist
 
 from .decomposition import Linkage
@@ -100,7 +100,7 @@ def _press_force(load: PressForce, place: str, at: Loading) -> Acting:
 
 
 @acts.register
-def _guide_force(load: ForceTable | GuideForce, _: str, at: Loading) -> Acting:
+def _guide_force(load: GuideForce, _: str, at: Loading) -> Acting:
     force = at.guide(load.body)[0] * at.size(load, load.force)
     yield load.body, ActingForce(force, at.k.z[load.at])
     yield at.scene.slides[load.body].on, ActingForce(-force, at.k.z[load.at])

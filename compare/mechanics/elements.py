@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes.elements.friction import Friction, GuideFriction, PinFriction
-from scenes.elements.loads import ForceTable, GuideForce, Load, Moment, PlainLoad, PressForce, TabledLoad, TableForce
+from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TabledLoad, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
 from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
@@ -69,7 +69,7 @@ def generalised(state: MotionVectors, pushes: Iterable[Push], arm: float) -> Sam
     return forces.reshape(len(forces), -1)
 
 
-def _of_force(state: MotionVectors, load: PlainLoad | GuideForce | TableForce) -> Iterator[Push]:
+def _of_force(state: MotionVectors, load: Force | PressForce | GuideForce | TableForce) -> Iterator[Push]:
     z, v, _ = state.point(load.at)
     yield Push(load.body, force(state, load), z, 0.0, v, f"the load at {load.at}")
 
@@ -134,12 +134,12 @@ def _turning(state: MotionVectors, body: str, at: str, name: str, moment: Sample
     return Push(body, np.zeros_like(z), z, moment + np.zeros(z.shape), v, name)
 
 
-def force(state: MotionVectors, load: PlainLoad | GuideForce | TableForce) -> Vectors:
+def force(state: MotionVectors, load: Force | PressForce | GuideForce | TableForce) -> Vectors:
     """The force of a load on its body, N, in the ground's frame."""
     body = state.scene.bodies[load.body]
     match load:
-        case ForceTable() | GuideForce():
-            value: Any = _size(state, load, getattr(load, "force", None)) * state.along(body)
+        case GuideForce():
+            value: Any = _size(state, load, load.force) * state.along(body)
         case TableForce():
             value = _size(state, load) * complex(*load.direction)
         case _:

@@ -5,8 +5,7 @@ A slider's displacement is that of its body's first point along its guide from `
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -16,7 +15,7 @@ from pydantic import Discriminator, Field, Tag
 from .. import limits
 from ..bodies import GROUND, Body, Slide
 from ..errors import InputError
-from ..fields import Coordinate, Direction, FileTable, ForceVector, Known, Length, NewtonMetres, Newtons, Pair
+from ..fields import Direction, FileTable, ForceVector, Known, Length, NewtonMetres, Newtons, Pair
 from .tables import COLUMN, LoadCurve, Over
 
 Frame: TypeAlias = Literal["ground", "body"]
@@ -73,23 +72,6 @@ def closing_sense(force: tuple[Any, Any], slide: Slide) -> Any:
 
 
 @dataclass(frozen=True)
-class ForceTable:
-    """The simplest force along a guide: by a table against the slider's displacement, which is constant beyond."""
-
-    body: str  # slides on the ground
-    at: str
-    displacements: tuple[Coordinate, ...] = field(metadata={"path": "table.*.0"})  # m, increasing
-    forces: tuple[Newtons, ...] = field(metadata={"path": "table.*.1"})  # N, along `along`
-    force = None
-    kind = "force tables"
-
-    @cached_property
-    def table(self) -> LoadCurve:
-        """The forces along the guide against the displacement."""
-        return LoadCurve(displacements=self.displacements, forces=self.forces)
-
-
-@dataclass(frozen=True)
 class GuideForce:
     """A force along the guide of a sliding body, whose reaction acts on what has the guide, at the same place."""
 
@@ -97,7 +79,7 @@ class GuideForce:
     at: str
     force: Newtons | None = None  # N, along `along`; or a table
     table: LoadCurve | None = None
-    kind = "forces along guides"
+    kind: str = "forces along guides"  # or "force tables": on the ground, by the displacement, constant beyond
 
 
 @dataclass(frozen=True)
@@ -130,8 +112,7 @@ class Moment:
     kind = "moments"
 
 
-PlainLoad: TypeAlias = Force | PressForce | ForceTable  # what every engine knows, but for forces that turn
-TabledLoad: TypeAlias = ForceTable | GuideForce | TableForce | Moment  # whose size may be by a table
+TabledLoad: TypeAlias = GuideForce | TableForce | Moment  # whose size may be by a table
 Load: TypeAlias = Force | PressForce | TabledLoad
 
 
@@ -181,8 +162,6 @@ class LoadTable(FileTable):
         force: Any = self.force
         if self.table is not None:
             first, second = zip(*self.table, strict=True)
-            if by_table and grounded and self.over in (None, "displacement") and not self.periodic:
-                return ForceTable(self.body, at, first, second)
             values = "forces" if by_table or self.along is not None else "moments"
             if self.over is None and values == "moments":
                 expected = "expected 'drive', 'time' or 'displacement' with a moment's table"
@@ -192,7 +171,10 @@ class LoadTable(FileTable):
             )
             if self.along is not None:
                 return TableForce(self.body, at, self.along, table, frame)
-            return GuideForce(self.body, at, None, table) if by_table else Moment(self.body, at, None, table)
+            if not by_table:
+                return Moment(self.body, at, None, table)
+            plain = grounded and table.over == "displacement" and not table.periodic
+            return GuideForce(self.body, at, None, table, "force tables" if plain else GuideForce.kind)
         if self.moment is not None:
             return Moment(self.body, at, self.moment)
         if by_number:

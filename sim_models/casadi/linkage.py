@@ -16,9 +16,8 @@ from typing import Any
 import casadi
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
-from scenes.elements.loads import PlainLoad
 from scenes.model.motion import force_channels, kinematic_channels
-from scenes.scene import GROUND, Force, ForceTable, Load, Spring
+from scenes.scene import GROUND, Force, Load, PressForce, Spring
 
 from ..coordinates.system import System
 
@@ -102,15 +101,15 @@ class SymbolicLinkage:
     def _force(self, number: int, load: Load) -> Any:
         if isinstance(load, Force):
             return vertcat(*load.force)
-        assert isinstance(load, PlainLoad)
         x = self.slid(load.body)
-        if isinstance(load, ForceTable):
-            within = casadi.fmin(casadi.fmax(x, load.displacements[0]), load.displacements[-1])
-            force = casadi.pw_lin(within, vertcat(*load.displacements), vertcat(*load.forces))
-            return force * vertcat(*self.scene.slides[load.body].along)
-        before_end = load.closing * (self.stroke_ends[number] - x)
-        closes = load.closing * jtimes(x, self.x, self.v) > 0
-        return casadi.logic_and(before_end <= load.last, closes) * vertcat(*load.force)
+        if isinstance(load, PressForce):
+            before_end = load.closing * (self.stroke_ends[number] - x)
+            closes = load.closing * jtimes(x, self.x, self.v) > 0
+            return casadi.logic_and(before_end <= load.last, closes) * vertcat(*load.force)
+        assert load.table is not None  # along the guide, against x: of the others it knows none
+        places, forces = load.table.arguments, load.table.values
+        force = casadi.pw_lin(casadi.fmin(casadi.fmax(x, places[0]), places[-1]), vertcat(*places), vertcat(*forces))
+        return force * vertcat(*self.scene.slides[load.body].along)
 
     @cached_property
     def functions(self) -> tuple[Function, Function, Function]:

@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.elements.loads import PlainLoad
 from scenes.model.motion import Samples
-from scenes.scene import Force, ForceTable, Load, Spring
+from scenes.scene import Force, Load, PressForce, Spring
 
 from .bodies import End
 
@@ -52,11 +51,11 @@ def applied(
 def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any, Any]]) -> Any:
     if isinstance(load, Force):
         return complex(*load.force)
-    assert isinstance(load, PlainLoad)
     displacement, velocity = slid(load.body)
-    if isinstance(load, ForceTable):
-        return complex(*scene.slides[load.body].along) * load.table.at(displacement)
-    return load.acts(displacement, velocity, end) * complex(*load.force)
+    if isinstance(load, PressForce):
+        return load.acts(displacement, velocity, end) * complex(*load.force)
+    assert load.table is not None  # along the guide, against the displacement: of the others it knows none
+    return complex(*scene.slides[load.body].along) * load.table.at(displacement)
 
 
 def _pull(spring: Spring, way: Any, shortest: float) -> Any:

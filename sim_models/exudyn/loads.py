@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from scenes.elements.loads import TabledLoad
-from scenes.scene import GROUND, Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
+from scenes.scene import GROUND, Force, GuideForce, Load, Moment, PressForce, TableForce
 
 from .poses import Configuration, PoseSolver
 from .system import TURN, Array, ExudynSystem, exudyn, items
@@ -74,7 +74,7 @@ def _add_load(system: ExudynSystem, load: Load, switches: PressSwitches) -> None
             marker = system.marker(load.body, 0j, "Rigid")
             moment = given(0.0, 0.0, 1.0 if load.moment is None else load.moment)
             system.mbs.AddLoad(items.Torque(markerNumber=marker, **moment))
-        case ForceTable() | GuideForce():
+        case GuideForce():
             slide, size = system.scene.slides[load.body], 1.0 if load.force is None else load.force
             x, y = (size * part for part in slide.along)
             add(x, y, fixed=turns)

@@ -8,7 +8,7 @@ from typing import TypeAlias
 from flint import acb, arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.scene import ForceTable, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
+from scenes.scene import GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .constraints import LinkageEquations
 from .rows import EquationRows
@@ -62,7 +62,7 @@ def _unit_force(linkage: LinkageEquations, load: Load) -> UnitForce:
     work = EquationRows(1, len(linkage.index))
     if isinstance(load, Moment):
         work.add_angle(0, linkage.index[load.body], arb(1))
-    elif isinstance(load, ForceTable | GuideForce):  # what moves along the guide against what has it
+    elif isinstance(load, GuideForce):  # what moves along the guide against what has it
         work = linkage.displacement(load.body, load.at)
     else:
         force = acb(*(load.along if isinstance(load, TableForce) else load.force))

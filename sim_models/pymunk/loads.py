@@ -21,7 +21,7 @@ from scenes import Scene
 from scenes.elements import PLAIN_KINDS
 from scenes.elements.loads import TabledLoad
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring
+from scenes.scene import GROUND, Force, GuideForce, Moment, PressForce, Spring
 
 from .bodies import pair
 from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes, with_ground
@@ -67,7 +67,7 @@ def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np
             yield load.body, 0j, _sized(linkage, load, load.moment, at)
             continue
         r = linkage.arm(load.body, load.at) * turn[i]
-        if isinstance(load, ForceTable | GuideForce):
+        if isinstance(load, GuideForce):
             slide = linkage.slides[load.body]
             on = index[slide.on]
             force = _sized(linkage, load, load.force, at) * complex(*slide.along) * turn[on]

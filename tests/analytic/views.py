@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.elements.loads import PlainLoad
 from scenes.fields import put, walk
 from scenes.model.motion import channels, quantity
-from scenes.scene import GROUND, Body, ConstantSpeed, Drive, ForceTable, Load, MotionLaw, Slide, Vector
+from scenes.scene import GROUND, Body, ConstantSpeed, Drive, Force, Load, MotionLaw, PressForce, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy
 
@@ -64,8 +63,10 @@ class Change:
         return replace(drive, speed=self.mirror * drive.speed, start=self.angle(drive.start), end=end)
 
     def load(self, load: Load) -> Load:
-        assert isinstance(load, PlainLoad)
-        return load if isinstance(load, ForceTable) else replace(load, force=xy(self.vector(*load.force)))
+        if load.kind == "force tables":
+            return load
+        assert isinstance(load, Force | PressForce)
+        return replace(load, force=xy(self.vector(*load.force)))
 
     def body(self, scene: Scene, body: Body) -> Body:
         """Return the body; its frame turns with the world, but one that cannot turn stays parallel to the ground's."""

@@ -13,9 +13,8 @@ from compare.mechanics import elements
 from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 from scenes import Motion
-from scenes.elements.loads import PlainLoad
 from scenes.model.motion import force_channels
-from scenes.scene import GROUND, Force, TableForce
+from scenes.scene import GROUND, Force, PressForce, TableForce
 
 from .fault import Clean, Fault
 
@@ -41,7 +40,9 @@ def left_out(clean: Clean) -> Iterator[Fault]:
         yield Fault("m s w^2", "m s w^2 left out everywhere", 1, Kind.term, "all", lambda: off)
         yield Fault("I alpha", "I alpha left out everywhere", 1, Kind.inertia, "all", lambda: swung)
     rows, presses = np.arange(clean.sampling.count), press_forces(scene)
-    for load in (load for load in scene.loads if isinstance(load, PlainLoad | TableForce)):
+    for load in scene.loads:
+        if not (isinstance(load, Force | PressForce | TableForce) or load.kind == "force tables"):
+            continue
         acting = [acts[0] for one, acts in zip(presses, clean.reference.acts(clean.true), strict=True) if one is load]
         own = elements.force(MotionVectors(replace(scene, loads=(load,)), clean.true, acting), load)
         for by in (1, 2) if not isinstance(load, Force) else ():

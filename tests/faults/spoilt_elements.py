@@ -25,7 +25,7 @@ def elements(clean: Clean) -> Iterator[Fault]:
         return Fault("load", kind, by, Kind.load, load_place(scene.loads[number]), scene=spoilt)
 
     for number, load in enumerate(scene.loads):
-        if isinstance(load, GuideForce | TableForce | Moment):
+        if isinstance(load, TableForce | Moment) or load.kind == GuideForce.kind:
             what = f"a {load.kind.removesuffix('s')}"
             yield of_load(f"{what} missing", 1, number)
             for by in SIZES:

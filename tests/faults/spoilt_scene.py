@@ -12,9 +12,8 @@ from compare.judge.causes.cause import Kind
 from compare.mechanics.bodies import distances, inertia
 from compare.mechanics.mechanics import inputs
 from scenes import Scene
-from scenes.elements.loads import PlainLoad
 from scenes.fields import put, walk
-from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, ForceTable, PressForce
+from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, GuideForce, PressForce
 
 from .fault import Clean, Fault
 
@@ -187,9 +186,9 @@ def loads(clean: Clean) -> Iterator[Fault]:
         return Fault("load", kind, magnitude, Kind.load, place, scene=spoilt)
 
     for number, load in enumerate(scene.loads):
-        if not isinstance(load, PlainLoad):
+        kind = {Force: "a force", PressForce: "a press force", GuideForce: "a table"}.get(type(load))
+        if kind is None or load.kind == GuideForce.kind:
             continue
-        kind = {Force: "a force", PressForce: "a press force", ForceTable: "a table"}[type(load)]
         yield fault(f"{kind} missing", 1, load.at, number)
         for by in (-2.0, 1.0, *SIZES):
             yield fault(f"{kind} {'opposite' if by < -1 else 'by a factor'}", by, load.at, number, _times(load, 1 + by))
@@ -209,18 +208,19 @@ def loads(clean: Clean) -> Iterator[Fault]:
             back = replace(load, closing=-load.closing)
             yield fault("a press force on the way back", 1, load.at, number, back)
             yield fault("a press force both ways", 1, load.at, number, load, back)
-        if isinstance(load, ForceTable):
-            range_ = load.displacements[-1] - load.displacements[0]
+        if isinstance(load, GuideForce) and (table := load.table) is not None:
+            range_ = table.arguments[-1] - table.arguments[0]
             for by in (0.1, 0.01, 0.001):
-                moved = tuple(x + by * range_ for x in load.displacements)
-                yield fault("a table shifted", by, load.at, number, replace(load, displacements=moved))
-            yield fault("a table backwards", 1, load.at, number, replace(load, forces=load.forces[::-1]))
+                moved = replace(table, displacements=tuple(x + by * range_ for x in table.arguments))
+                yield fault("a table shifted", by, load.at, number, replace(load, table=moved))
+            backwards = replace(table, forces=table.forces[::-1])
+            yield fault("a table backwards", 1, load.at, number, replace(load, table=backwards))
     yield from _springs(clean)
 
 
 def _times(load: Any, factor: float) -> Any:
-    if isinstance(load, ForceTable):
-        return replace(load, forces=tuple(factor * force for force in load.forces))
+    if load.table is not None:
+        return replace(load, table=replace(load.table, forces=tuple(factor * force for force in load.table.forces)))
     return replace(load, force=(factor * load.force[0], factor * load.force[1]))
 
 

@@ -14,7 +14,7 @@ from papers.clamp.optimisation.recheck import locking
 from papers.clamp.optimisation.study import BROKEN
 from papers.clamp.printed import SCENES
 from scenes import Motion, Scene, load
-from scenes.scene import Force, ForceTable
+from scenes.scene import Force
 
 from .designs import some_designs
 
@@ -64,8 +64,8 @@ def test_formulas_are_the_motion_of_any_design(number: int) -> None:
     assert abs(motion["E.vx"][2] / motion["C.vx"][2] - measure("M_P", d)) <= 1e-11  # of 20, rounding near the lock
     assert abs(multiplied(scene, d) - measure("M_P", d)) <= 1e-11
     (dies,) = scene.loads
-    assert isinstance(dies, ForceTable)
-    assert abs(np.mean(dies.displacements) - motion["C.x"][-1]) <= 1e-13  # met where it locks
+    assert dies.table is not None
+    assert abs(np.mean(dies.table.arguments) - motion["C.x"][-1]) <= 1e-13  # met where it locks
 
 
 def test_a_design_that_does_not_assemble_is_nan() -> None:

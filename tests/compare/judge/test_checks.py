@@ -11,7 +11,7 @@ from compare.judge.checks import checks
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.scales import travels
 from scenes import Motion, Sampling
-from scenes.scene import ForceTable
+from scenes.scene import GuideForce
 from tests import scene_files
 from tests.comparisons import References, changed, commanded, of_scene, violations
 
@@ -79,9 +79,11 @@ def test_another_load_than_the_scenes_is_noticed(references: References, of: str
     scene = reference.scene
     body = {"stiffness": "plate", "length": "plate", "table": "platen", "gravity": "rocker"}[of]
     if of == "table":
-        (table,) = scene.loads
-        assert isinstance(table, ForceTable)
-        wrong = replace(scene, loads=(replace(table, forces=tuple(1.001 * force for force in table.forces)),))
+        (load,) = scene.loads
+        assert isinstance(load, GuideForce)
+        assert load.table is not None
+        table = replace(load.table, forces=tuple(1.001 * force for force in load.table.forces))
+        wrong = replace(scene, loads=(replace(load, table=table),))
     elif of == "gravity":
         wrong = replace(scene, gravity=(0.0, -9.82))
     else:
