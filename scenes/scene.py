@@ -11,14 +11,17 @@ from functools import cached_property
 from math import pi, remainder, sqrt, tau
 from typing import Annotated, Any, Literal
 
+from pydantic import Field
+
+from . import limits
 from .bodies import GROUND, Body, DrawnBody, Slide
 from .drive import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
 from .elements.friction import Friction, GuideFriction, PinFriction
 from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
 from .elements.springs import Spring, TorsionSpring
-from .fields import Gravity, Number, Place, Position, Vector, put, walk
+from .fields import FileTable, Finite, Gravity, Number, Place, Position, Positive, Vector, put, walk
 
-__all__ = ["GROUND", "Body", "DrawnBody", "Pin", "Scene", "Sketch", "Slide", "Variation", "Vector"]
+__all__ = ["GROUND", "Body", "DrawnBody", "Pin", "Scene", "Sketch", "Slide", "Vector"]
 __all__ += ["ConstantSpeed", "Drive", "HarmonicLaw", "MotionLaw", "SegmentedLaw"]
 __all__ += ["Force", "GuideForce", "Load", "Moment", "PressForce", "TableForce"]
 __all__ += ["Friction", "GuideFriction", "PinFriction", "Spring", "TorsionSpring"]
@@ -60,13 +63,14 @@ class Sketch:
     points: Mapping[str, Place] = field(metadata={"path": "*"})  # m
 
 
-@dataclass(frozen=True)
-class Variation:
-    """One number of the scene file that is not always made as drawn, in the units of the file."""
+class VariationTable(FileTable):
+    """What the workshop may deviate: a number of the file, and by how much, for `--monte-carlo`."""
 
-    path: str
-    plus_minus: float
-    distribution: Literal["normal", "uniform"] = "normal"
+    path: str = Field(max_length=limits.PATH, description='Where the number is, as "bodies.rocker.lengths.O-P3".')
+    plus_minus: Annotated[Positive, Field(le=limits.LARGEST)] = Field(
+        description="In the number's unit: three standard deviations, or all of a uniform."
+    )
+    distribution: Literal["normal", "uniform"] = Field("normal", description='"normal" where absent, or "uniform".')
 
     @property
     def deviation(self) -> float:
@@ -74,12 +78,11 @@ class Variation:
         return self.plus_minus / (3 if self.distribution == "normal" else sqrt(3))
 
 
-@dataclass(frozen=True)
-class ChannelLimit:
-    """What a channel or a magnitude may be at any position of the drive, SI."""
+class LimitTable(FileTable):
+    """What a channel or a magnitude may be over the whole range of the drive, in the units of the file."""
 
-    least: float | None = None
-    most: float | None = None
+    least: Finite | None = Field(None, description="It may never be less.")
+    most: Finite | None = Field(None, description="It may never be more.")
 
 
 @dataclass(frozen=True)
@@ -110,8 +113,8 @@ class Scene:
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
-    limits: Mapping[str, ChannelLimit] = field(default_factory=dict)  # by channel or magnitude
-    variations: tuple[Variation, ...] = ()  # what the workshop may deviate, in the units of the file
+    limits: Mapping[str, LimitTable] = field(default_factory=dict)  # by channel or magnitude, SI
+    variations: tuple[VariationTable, ...] = ()  # what the workshop may deviate, in the units of the file
     torsion_springs: tuple[TorsionSpring, ...] = ()
     friction: tuple[Friction, ...] = ()
     drive_on: str = GROUND  # the body against which the drive moves its own, by a pin or by a guide

@@ -12,7 +12,8 @@ from ..elements.friction import FrictionTable
 from ..elements.loads import LoadTable
 from ..elements.springs import SpringTable, TorsionSpringTable
 from ..errors import InputError, nearest, one_line, path_in_file
-from ..fields import PATTERNS, EngineName, FileTable, Finite, Gravity, Known, Name, Place, Position, Positive, parts
+from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive, parts
+from ..scene import LimitTable, VariationTable
 
 # To Python, True is 1.
 Format = Annotated[Literal[1], BeforeValidator(lambda value: str(value) if isinstance(value, bool) else value)]
@@ -54,16 +55,6 @@ class OutputTable(FileTable):
     point: Known | None = Field(None, description="Any other moving point.")
 
 
-class VariationTable(FileTable):
-    """What the workshop may deviate: a number of the file, and by how much, for `--monte-carlo`."""
-
-    path: str = Field(max_length=limits.PATH, description='Where the number is, as "bodies.rocker.lengths.O-P3".')
-    plus_minus: Annotated[Positive, Field(le=limits.LARGEST)] = Field(
-        description="In the number's unit: three standard deviations, or all of a uniform."
-    )
-    distribution: Literal["normal", "uniform"] = Field("normal", description='"normal" where absent, or "uniform".')
-
-
 class TolerancesTable(FileTable):
     """The largest relative errors by channel group; `--check` fails where one is larger."""
 
@@ -73,13 +64,6 @@ class TolerancesTable(FileTable):
     reaction: Positive | None = Field(None, description="Of the forces of joints and guides, over their peaks.")
     torque: Positive | None = Field(None, description="Of the driven crank's torque, over its peak.")
     force: Positive | None = Field(None, description="Of the driven slider's force, over its peak.")
-
-
-class LimitTable(FileTable):
-    """What a channel or a magnitude may be over the whole range of the drive, in the units of the file."""
-
-    least: Finite | None = Field(None, description="It may never be less.")
-    most: Finite | None = Field(None, description="It may never be more.")
 
 
 class SceneFile(FileTable):

@@ -23,7 +23,7 @@ from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
 from ..limits import SOURCE, TITLE
 from ..model.motion import TRANSMISSION, channels, magnitudes, unit_of
-from ..scene import GROUND, ChannelLimit, Scene, Sketch, Variation
+from ..scene import GROUND, LimitTable, Scene, Sketch
 from .changes import Value, change, check_variations, label, numbers
 from .consistency import check
 from .format import SceneFile, TolerancesTable, validated
@@ -112,7 +112,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
         output=table.output.slider or table.output.point or "",
         tolerances=MappingProxyType(held),
         units=MappingProxyType(units),
-        variations=tuple(Variation(v.path, v.plus_minus, v.distribution) for v in table.variations),
+        variations=tuple(table.variations),
         torsion_springs=tuple(
             spring.element(f"torsion_springs.{number}") for number, spring in enumerate(table.torsion_springs)
         ),
@@ -126,8 +126,8 @@ def _scene(table: SceneFile, file: str) -> Scene:
     return replace(scene, limits=_limits(table, scene))
 
 
-def _limits(table: SceneFile, scene: Scene) -> Mapping[str, ChannelLimit]:
-    held: dict[str, ChannelLimit] = {}
+def _limits(table: SceneFile, scene: Scene) -> Mapping[str, LimitTable]:
+    held: dict[str, LimitTable] = {}
     known = [*channels(scene)[2:], *magnitudes(scene), TRANSMISSION]  # the first are the time and the drive's position
     for name, limit in table.limits.items():
         place = f"limits.{name}"
@@ -138,7 +138,7 @@ def _limits(table: SceneFile, scene: Scene) -> Mapping[str, ChannelLimit]:
         if limit.least is not None and limit.most is not None and limit.least > limit.most:
             raise InputError(f"{place}.least: expected {limit.most:g}, the most, or less, found {limit.least:g}")
         _, size = unit_of(scene, name)
-        held[name] = ChannelLimit(*(None if end is None else end * size for end in (limit.least, limit.most)))
+        held[name] = LimitTable(**{end: value * size for end, value in limit.model_dump(exclude_none=True).items()})
     return MappingProxyType(held)
 
 

@@ -6,7 +6,7 @@ from operator import itemgetter
 
 from scenes import Status
 from scenes.model.motion import quantity
-from scenes.scene import Variation
+from scenes.scene import VariationTable
 
 from ...engines.registry import REFERENCE
 from ...judge.agreement import Agreement, Word, WorstError, worst_error
@@ -30,7 +30,7 @@ AT_JOINTS = ("fx", "guide_force", "guide_moment", "transmission", "to_lock")  # 
 WORST_LAST = (Word.agrees, Word.in_part, Word.not_solved, Word.disagrees)
 
 
-def names(variations: Iterable[VariedNumber | Variation]) -> list[str]:
+def names(variations: Iterable[VariedNumber | VariationTable]) -> list[str]:
     """Short names of what varies: `O-P3` for `bodies.rocker.lengths.O-P3`, as far as that is unique."""
     paths = [variation.path for variation in variations]
     short = [path.partition(".lengths.")[2] or path.removeprefix("bodies.") for path in paths]
