@@ -153,7 +153,7 @@ class Scene:
     @cached_property
     def drawn(self) -> Mapping[str, complex]:
         """Where the scene has the points of the ground and of the sketch, m."""
-        return {name: complex(*at) for name, at in (*self.ground.items(), *self.sketch.points.items())}
+        return {name: x + 1j * y for name, (x, y) in (*self.ground.items(), *self.sketch.points.items())}
 
     @cached_property
     def aligned(self) -> Mapping[str, frozenset[str]]:

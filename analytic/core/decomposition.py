@@ -18,7 +18,7 @@ from scenes.arguments import scene_of
 from scenes.scene import GROUND
 
 from .dyads import cross
-from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched, sketched_attitude
+from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched_attitude
 from .groups.continuation import Track
 from .groups.group_equations import Group, PinJoint
 from .numbers import Number, Vector, chosen
@@ -151,7 +151,7 @@ class _Placed:
     """What is placed so far: bodies, the ground among them, and their points."""
 
     def __init__(self, scene: Scene, bodies: Mapping[str, RigidBody]) -> None:
-        self.scene, self.bodies, self.at = scene, bodies, sketched(scene)
+        self.scene, self.bodies, self.at = scene, bodies, scene.drawn
         self.points = set(scene.ground)
         self.carries: dict[str, tuple[str, ...]] = {}
 

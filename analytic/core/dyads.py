@@ -32,7 +32,7 @@ def dot(a: Vectors | Vector, b: Vectors) -> Samples:
     return (a.conjugate() * b).real
 
 
-def cross(a: Vectors | Vector, b: Vectors) -> Samples:
+def cross(a: Vectors | Vector, b: Vectors | Vector) -> Samples:
     """Return the z component of a x b."""
     return (a.conjugate() * b).imag
 

@@ -77,7 +77,7 @@ def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
     """Place the first point at the origin, the second on x, every further one on the side where the sketch shows it."""
     lengths = body.lengths or {}
     first, second, *others = body.points
-    at = sketched(scene) if others else {}
+    at = scene.drawn
     local = {first: 0j, second: lengths[frozenset((first, second))] + 0j}
     for C in others:
         A, B = body.bases[C]
@@ -98,11 +98,6 @@ def guide_of(scene: Scene, point: str) -> tuple[Vector, Vector]:
     return samples(as_complex(guided[1].along)), as_complex(guided[1].through)
 
 
-def sketched(scene: Scene) -> dict[str, Vector]:
-    """Return where the sketch shows each point, the ground's points included."""
-    return {point: as_complex(xy) for point, xy in {**scene.ground, **scene.sketch.points}.items()}
-
-
 def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) -> Vector:
     """Return exp(i angle) of a body in the sketch, by the points of it, or of a body aligned with it, that are shown.
 
@@ -114,7 +109,7 @@ def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) 
         return 1 + 0j
     if scene.drive_on == GROUND and scene.drive.body in aligned:
         return cmath.exp(1j * scene.sketch.drive)
-    at = sketched(scene)
+    at = scene.drawn
     names = (body, *sorted(aligned))
     shown = {name: [point for point in bodies[name].local if point in at] for name in names}
     owner = next((name for name in names if len(shown[name]) > 1), None)

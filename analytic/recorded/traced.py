@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from scenes.elements.tables import straight_lines
+
 from .expressions import Expression, Recorder
 
 
@@ -111,14 +113,6 @@ def _where(make: Recorder, condition: Any, yes: Any, no: Any) -> Traced:
     return Traced(make, make("where", c.x, a.x, b.x), make("where", c.x, a.y, b.y))
 
 
-def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
-    f: Any = traced(make, fs[0])
-    for n in range(len(xs) - 1):
-        beyond = np.minimum(np.maximum(x - xs[n], 0.0), xs[n + 1] - xs[n])
-        f = f + (fs[n + 1] - fs[n]) / (xs[n + 1] - xs[n]) * beyond
-    return traced(make, f)
-
-
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     **{name: partial(_real, name) for name in ("sqrt", "tanh", "arctan2", "minimum", "maximum", "less", "less_equal")},
     **{name: partial(_each, name) for name in ("add", "subtract", "negative")},
@@ -134,6 +128,6 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "sign": lambda a: _where(a.make, a > 0, 1.0, _where(a.make, a < 0, -1.0, 0.0)),
     "where": _where,
     "ndim": lambda _, a: a.ndim,
-    "interp": _interpolated,
+    "interp": lambda _, x, xs, fs: straight_lines(x, xs, fs),
     "clip": lambda make, x, low, high: traced(make, np.minimum(np.maximum(x, low), high)),
 }

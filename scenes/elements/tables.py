@@ -1,5 +1,6 @@
 """Tables of a load: its values against where the drive is, the time, or a slider's displacement along its guide."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -48,15 +49,18 @@ class LoadCurve:
 
     def at(self, argument: Any) -> Any:
         """The values at arguments of any shape."""
-        argument = self.within(argument)
-        if not self._of_many:
-            return np.interp(argument, self.arguments, self.values)
-        value = self.values[0]
-        for (x0, f0), (x1, f1) in pairwise(zip(self.arguments, self.values, strict=True)):
-            value = value + (f1 - f0) / (x1 - x0) * np.clip(argument - x0, 0, x1 - x0)
-        return value
+        lines = straight_lines if self._of_many else np.interp
+        return lines(self.within(argument), self.arguments, self.values)
 
     @cached_property
     def _of_many(self) -> bool:
         """Whether the entries are those of many machines, shape (m, 1)."""
         return any(np.ndim(number) for number in (*self.arguments, *self.values))
+
+
+def straight_lines(x: Any, arguments: Sequence[Any], values: Sequence[Any]) -> Any:
+    """The values at x, of any shape, as `np.interp` has them; entries of many machines have the shape (m, 1)."""
+    value = values[0]
+    for (x0, f0), (x1, f1) in pairwise(zip(arguments, values, strict=True)):
+        value = value + (f1 - f0) / (x1 - x0) * np.clip(x - x0, 0, x1 - x0)
+    return value

@@ -20,7 +20,7 @@ from scenes import Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from ..geometry import RigidBody, as_complex, sketched, sketched_attitude
+from ..geometry import RigidBody, as_complex, sketched_attitude
 from ..numbers import Number, Vector, chosen, largest
 
 Complex: TypeAlias = NDArray[np.complex128]
@@ -201,7 +201,7 @@ def size_of(group: Group, bodies: Mapping[str, RigidBody]) -> Number:
 
 def sketched_coordinates(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> list[Number]:
     """Return the m coordinates that lay each body on its sketched points with the least squares."""
-    at = sketched(scene)
+    at = scene.drawn
     q: list[Number] = []
     for name in group.bodies:
         local = bodies[name].local
