@@ -1,8 +1,8 @@
-"""What loads and springs do to the bodies: a function for each kind."""
+"""What loads and springs do to the bodies, kind by kind."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, singledispatch
+from functools import cached_property
 from math import tau
 from typing import Any, NamedTuple, TypeAlias
 
@@ -11,7 +11,7 @@ import numpy as np
 from scenes import Scene
 from scenes.elements.loads import TabledLoad
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Force, GuideForce, Moment, PressForce, Spring, TableForce
+from scenes.scene import GROUND, Force, GuideForce, Load, Moment, PressForce, Spring, TableForce
 from scenes.scene import TorsionSpring as Twist
 
 from .decomposition import Linkage
@@ -82,37 +82,33 @@ class Loading:
         return load.table.at(self.given["position" if load.table.over == "drive" else "time"])
 
 
-@singledispatch
-def acts(element: Any, place: str, at: Loading) -> Acting:
+def acts(element: Load | Spring | Twist, place: str, at: Loading) -> Acting:
     """Yield what an element, which has a place in the file, does to each body."""
-    raise NotImplementedError(type(element), place, at)
+    z, u = at.k.z, at.k.u
+    match element:
+        case Force() | TableForce() as load:
+            vector = as_complex(load.force if isinstance(load, Force) else load.direction)
+            force = samples(vector) if isinstance(load, Force) else vector * at.size(load)
+            yield load.body, ActingForce(force if load.frame == "ground" else u[load.body] * force, z[load.at])
+        case PressForce() as load:
+            yield load.body, ActingForce(np.where(at.acting(load, place), as_complex(load.force), 0), z[load.at])
+        case GuideForce() as load:
+            force = at.guide(load.body)[0] * at.size(load, load.force)
+            yield load.body, ActingForce(force, z[load.at])
+            yield at.scene.slides[load.body].on, ActingForce(-force, z[load.at])
+        case Moment() as load:
+            yield load.body, ActingForce(samples(0j), z[load.at], at.size(load, load.moment))
+        case Spring() as spring:
+            yield from _spring(spring, at)
+        case Twist() as spring:
+            sign = spring.drives(at.scene)
+            phi = sign * at.given["position"] if sign else at.twisted(spring, place)
+            moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
+            for body, share in ((spring.second, moment), (spring.first, -moment)):
+                yield body, ActingForce(samples(0j), z[spring.at], share)
 
 
-@acts.register
-def _force(load: Force | TableForce, _: str, at: Loading) -> Acting:
-    force = samples(as_complex(load.force)) if isinstance(load, Force) else as_complex(load.direction) * at.size(load)
-    yield load.body, ActingForce(force if load.frame == "ground" else at.k.u[load.body] * force, at.k.z[load.at])
-
-
-@acts.register
-def _press_force(load: PressForce, place: str, at: Loading) -> Acting:
-    yield load.body, ActingForce(np.where(at.acting(load, place), as_complex(load.force), 0), at.k.z[load.at])
-
-
-@acts.register
-def _guide_force(load: GuideForce, _: str, at: Loading) -> Acting:
-    force = at.guide(load.body)[0] * at.size(load, load.force)
-    yield load.body, ActingForce(force, at.k.z[load.at])
-    yield at.scene.slides[load.body].on, ActingForce(-force, at.k.z[load.at])
-
-
-@acts.register
-def _moment(load: Moment, _: str, at: Loading) -> Acting:
-    yield load.body, ActingForce(samples(0j), at.k.z[load.at], at.size(load, load.moment))
-
-
-@acts.register
-def _spring(spring: Spring, _place: str, at: Loading) -> Acting:
+def _spring(spring: Spring, at: Loading) -> Acting:
     z, v, damping = at.k.z, at.k.v, spring.damping
     for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
         if body != GROUND:
@@ -123,15 +119,6 @@ def _spring(spring: Spring, _place: str, at: Loading) -> Acting:
             if damping is not None:
                 pull = pull + damping * dot(along, v[other] - v[point]) * along
             yield body, ActingForce(pull, z[point])
-
-
-@acts.register
-def _torsion_spring(spring: Twist, place: str, at: Loading) -> Acting:
-    sign = spring.drives(at.scene)
-    phi = sign * at.given["position"] if sign else at.twisted(spring, place)
-    moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
-    for body, share in ((spring.second, moment), (spring.first, -moment)):
-        yield body, ActingForce(samples(0j), at.k.z[spring.at], share)
 
 
 def twist(spring: Twist, k: Kinematics) -> Any:

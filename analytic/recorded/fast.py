@@ -33,7 +33,6 @@ def fast_solver(
         InputError: as of `solver`, or there is no numba for machine code.
     """
     core = solver(scene, channels)
-    own = core.scene, core.linkage, core.stroke_ends, core.request
     if compiled and not COMPILES:
         raise InputError("compiled: expected numba to be installed, as by the extra 'compiled'")
     if compiled or (compiled is None and COMPILES):
@@ -45,9 +44,9 @@ def fast_solver(
         if count is not None and (compiled or count <= LARGEST):
             known = {path: number.value for path, number in scene.numbers.items()}
             line = MachineCode(program.rows, {**known, **core.stroke_ends})
-            return FastSolver(*own, (program, line), windings=core.windings)
+            return FastSolver(**vars(core) | {"at_hand": (program, line)})
     program = recorded(scene, frozenset(), core.request.channels)
-    return FastSolver(*own, (program, StraightLine(program.rows)), windings=core.windings)
+    return FastSolver(**vars(core) | {"at_hand": (program, StraightLine(program.rows))})
 
 
 class FastSolver(Solver):

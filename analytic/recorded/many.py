@@ -104,10 +104,7 @@ def many_solver(
         wound = solver(scene, program.request.channels).windings if scene.torsion_springs else {}
     except Failure:
         tracks, wound = None, {}
-    given = numbers
-    if at_hand is not None:  # which may be of what does not differ too
-        given = {path: np.full((count, 1), number.value) for path, number in many.numbers.items()}
-    ends = {} if tracks is None else _stroke_ends(many, program, given, tracks)
+    ends = {} if tracks is None else _stroke_ends(many, program, tracks)
     return ManySolver(scene, program, line, numbers, ends, tracks, failed, count, wound)
 
 
@@ -218,10 +215,10 @@ def told(failed: Mapping[int, Ending], count: int) -> tuple[tuple[Status, ...], 
     return tuple(status for status, _ in endings), tuple(why for _, why in endings)
 
 
-def _stroke_ends(
-    many: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
-) -> dict[str, Samples]:
+def _stroke_ends(many: Scene, program: Program, tracks: Sequence[Mapping[Group, Track]]) -> dict[str, Samples]:
     """Where each machine's closing strokes end, m, shape (m, 1), by the load's place; none where no force is wanted."""
+    # of all, as the line may be of numbers that do not differ too
+    numbers = {path: np.broadcast_to(number.value, (len(tracks), 1)) for path, number in many.numbers.items()}
     parts = [slice(first, first + TOGETHER) for first in range(0, max(len(tracks), 1), TOGETHER)]
 
     def displaced(line: Line, rows: slice, way: Samples) -> Samples:
