@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from math import inf, remainder, sqrt, tau
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -24,12 +24,11 @@ from ..core.groups.newton_group import own_jacobian
 from ..core.kinematics import followed, placed
 from ..core.placing import Kinematics
 from ..solve import prepared
-from ..way.motion_range import Interval, motion_at, motion_range
+from ..way.motion_range import End, motion_at, motion_range
 from .group_assemblies import poses, together
 
 SAME = 1e-6  # of the longest arm: two poses, or two ends of intervals
 MOST = 64  # branches of dyads of which circuits are looked for, each by its whole range
-End: TypeAlias = tuple[float, str]  # a position of the drive, rad or m, and the joint of the group singular there
 
 
 def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = True) -> Assemblies:
@@ -96,22 +95,22 @@ def _assembled(scene: Scene, before: Linkage, group: Dyad | Group, at: Samples) 
 
 def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...], tuple[int, Sequence[End]]]:
     """By branches of dyads, the number of the circuit that a position is on, and where it meets others."""
-    turn, parts = tau if scene.driven_slide is None else inf, list[tuple[tuple[Any, ...], Interval, list[End]]]()
+    turn, parts = tau if scene.driven_slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, End]]]()
     for branches in product((1, -1), repeat=len(whole.groups)):
         groups: Any = (replace(group, branch=b) for group, b in zip(whole.groups, branches, strict=True))  # type: ignore[arg-type]
-        for one in motion_range(scene, replace(whole, groups=tuple(groups))) or [Interval(-inf, inf, "", "")]:
-            ends = [(one.start, one.start_joint), (one.end, one.end_joint)]
-            parts.append((branches, one, [end for end in ends if end[1]]))
+        intervals = motion_range(scene, replace(whole, groups=tuple(groups))) or [((-inf, ""), (inf, ""))]
+        parts += ((branches, ends) for ends in intervals)
 
     def meet(one: int, other: int) -> bool:
-        (a, _, first), (b, _, second) = parts[one], parts[other]
+        (a, first), (b, second) = parts[one], parts[other]
         flipped = [group.P for group, p, q in zip(whole.groups, a, b, strict=True) if p != q]
         pairs = product(first, second)
         return any([p] == flipped and p == q and abs(remainder(x - y, turn)) <= SAME for (x, p), (y, q) in pairs)
 
     count, here = range(len(parts)), dict[tuple[Any, ...], tuple[int, Sequence[End]]]()
     circuit = together(np.array([[one == other or meet(one, other) for other in count] for one in count]))
-    for number, (branches, own, meets) in enumerate(parts):  # none in a gap that is too narrow to be seen
-        if not (at - own.start + SAME) % turn > own.end - own.start + 2 * SAME:
-            here.setdefault(branches, (int(circuit[number]), meets))
+    for number, (branches, ends) in enumerate(parts):  # none in a gap that is too narrow to be seen
+        (start, _), (end, _) = ends
+        if not (at - start + SAME) % turn > end - start + 2 * SAME:
+            here.setdefault(branches, (int(circuit[number]), [end for end in ends if end[1]]))
     return here

@@ -1,8 +1,8 @@
 """How far the drive can move, and what stops it: its way sampled, and the places between two samples by bisection."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import ceil, inf, pi
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from ..core.placing import Kinematics
 
 SAMPLES = 3600  # of a turn, or a driven slider's way: what changes twice between two of them is not seen
 BISECTIONS = 60  # from the whole way down to the last place
+End: TypeAlias = tuple[float, str]  # a position of the drive, rad or m, and the joint of the group singular there
 
 
 def motion_at(scene: Scene, linkage: Linkage, position: Samples, *, rates: bool = True) -> Kinematics:
@@ -51,23 +52,11 @@ def _bisected(
     return without, within
 
 
-@dataclass(frozen=True)
-class Interval:
-    """Positions of the drive, rad or m, between which the linkage assembles, and the joint of the group singular there.
+def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
+    """Find the intervals of one turn, or of a driven slider's way, in which the linkage assembles, by their ends.
 
-    A driven slider's way may end without a singular configuration; then there is no joint.
-    """
-
-    start: float
-    end: float
-    start_joint: str
-    end_joint: str
-
-
-def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
-    """Find the intervals of one turn, or of a driven slider's way, in which the linkage assembles.
-
-    None when it never does, or all the way. An interval of a crank that does not hold its start ends in the first turn.
+    A slider's way may end without a singular configuration; then there is no joint. None when the linkage never
+    assembles, or all the way. An interval of a crank that does not hold its start ends in the first turn.
     """
     turn, start = 2 * pi if scene.driven_slide is None else inf, scene.drive.start
     least, most = scene.drive.extent if turn == inf else (start, start + turn)
@@ -82,8 +71,8 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     intervals = []
     for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True):
         off = 0.0 if turn == inf or a <= start <= b else turn * (ceil(b / turn) - 1)
-        intervals.append(Interval(a - off, b - off, at_a, at_b))
-    return sorted(intervals, key=lambda interval: interval.start)
+        intervals.append(((a - off, at_a), (b - off, at_b)))
+    return sorted(intervals)
 
 
 def unreached(scene: Scene, linkage: Linkage, position: Samples) -> NDArray[np.str_]:
@@ -112,7 +101,7 @@ def describe(scene: Scene, linkage: Linkage, position: float) -> str:
         return f"{scene.position(position)} ({stops[joint]})"
 
     limits = "drive.start and drive.end" if isinstance(scene.drive, ConstantSpeed) else "the drive's law"
-    ways = " and ".join(f"from {end(i.start, i.start_joint)} to {end(i.end, i.end_joint)}" for i in intervals)
+    ways = " and ".join(f"from {end(*first)} to {end(*last)}" for first, last in intervals)
     return f"the {body} {'turns' if turns else 'slides'} only {ways}; {limits} can limit a run"
 
 

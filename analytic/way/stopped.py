@@ -35,11 +35,11 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
         intervals = motion_range(scene, linkage)
     except Failure:
         return None
-    ways = [(i.start, i.end) for i in intervals]
+    ways = [(first, last) for (first, _), (last, _) in intervals]
     if intervals:
-        ends = [(i.start, i.end, i.start_joint) for i in intervals] + [(i.end, i.start, i.end_joint) for i in intervals]
+        ends = [*intervals, *(interval[::-1] for interval in intervals)]
         turn = 2 * pi if scene.driven_slide is None else inf
-        end, begin, joint = min(ends, key=lambda way: abs(remainder(way[0] - position, turn)))
+        (end, joint), (begin, _) = min(ends, key=lambda way: abs(remainder(way[0][0] - position, turn)))
     elif position != start:
         end, begin, ways = position, start, [(min(start, position), max(start, position))]
     else:

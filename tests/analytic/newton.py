@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from analytic.core.decomposition import Linkage, _Placed, decompose, larger_group, members
 from analytic.core.kinematics import followed
-from analytic.way.motion_range import Interval, motion_range
+from analytic.way.motion_range import motion_range
 from analytic.way.slider import Displaced, displacement
 from scenes import Scene
 from scenes.model.motion import Samples
@@ -23,8 +24,16 @@ def assert_close(found: Mapping[str, Samples], expected: Mapping[str, Samples], 
         np.testing.assert_allclose(found[channel], samples, rtol=0, atol=allowed, err_msg=channel)
 
 
+class Interval(NamedTuple):
+    start: float
+    end: float
+    start_joint: str
+    end_joint: str
+
+
 def intervals(scene: Scene) -> list[Interval]:
-    return motion_range(scene, followed(scene, decompose(scene)))
+    found = motion_range(scene, followed(scene, decompose(scene)))
+    return [Interval(start, end, start_joint, end_joint) for (start, start_joint), (end, end_joint) in found]
 
 
 def displaced(scene: Scene, point: str) -> Displaced:

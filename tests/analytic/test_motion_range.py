@@ -8,12 +8,11 @@ import pytest
 from numpy.typing import ArrayLike
 
 import analytic
-from analytic.way.motion_range import Interval
 from scenes import Failure, Scene, Status
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 
-from .newton import intervals
+from .newton import Interval, intervals
 
 TURN = np.linspace(0, 2 * pi, 3601)
 
