@@ -34,11 +34,7 @@ class _Friction:
         """The sign of a rate of a joint's parts on each other, 0 at rest; `largest` is that of the linkage."""
         if self.smooth is not None:
             return np.tanh(rate / self.smooth)
-        return np.where(self.at_rest(rate, largest), 0.0, np.where(rate < 0, -1.0, 1.0))
-
-    def at_rest(self, rate: Any, largest: Any) -> Any:
-        """Where the sense of the motion is unknown."""
-        return (self.smooth is None) & (np.abs(rate) <= AT_REST * largest)
+        return np.where(np.abs(rate) <= AT_REST * largest, 0.0, np.where(rate < 0, -1.0, 1.0))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -160,25 +160,21 @@ class LoadTable(FileTable):
                 ground = " on the ground" * (key == "last")
                 raise InputError(f"{place}.{key}: expected a body that slides{ground}, found '{self.body}'")
         force: Any = self.force
+        table, moment = None, self.force is None and self.along is None and not by_table
         if self.table is not None:
-            first, second = zip(*self.table, strict=True)
-            values = "forces" if by_table or self.along is not None else "moments"
-            if self.over is None and values == "moments":
+            if moment and self.over is None:
                 expected = "expected 'drive', 'time' or 'displacement' with a moment's table"
                 raise InputError(f"{place}.over: missing; {expected}")
-            table = LoadCurve(
-                **{COLUMN[self.over or "displacement"]: first, values: second}, periodic=bool(self.periodic)
-            )
-            if self.along is not None:
-                return TableForce(self.body, at, self.along, table, frame)
-            if not by_table:
-                return Moment(self.body, at, None, table)
-            plain = grounded and table.over == "displacement" and not table.periodic
-            return GuideForce(self.body, at, None, table, "force tables" if plain else GuideForce.kind)
-        if self.moment is not None:
-            return Moment(self.body, at, self.moment)
-        if by_number:
-            return GuideForce(self.body, at, force)
+            first, second = zip(*self.table, strict=True)
+            columns = {COLUMN[self.over or "displacement"]: first, "moments" if moment else "forces": second}
+            table = LoadCurve(**columns, periodic=bool(self.periodic))
+        if table is not None and self.along is not None:
+            return TableForce(self.body, at, self.along, table, frame)
+        if moment:
+            return Moment(self.body, at, self.moment, table)
+        if by_number or by_table:
+            plain = grounded and table is not None and table.over == "displacement" and not table.periodic
+            return GuideForce(self.body, at, force, table, "force tables" if plain else GuideForce.kind)
         if self.last is None or slide is None:
             return Force(self.body, at, force, frame)
         return PressForce(self.body, at, force, self.last, closing_sense(force, slide))
