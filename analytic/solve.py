@@ -101,8 +101,6 @@ class Solver:
         single = self.at_hand is None and isinstance(position, np.ndarray) and position.dtype == np.float32
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(self.scene, position, time)
-        if position.ndim != 1 or time.ndim != 1:
-            raise InputError(f"position, time: expected the shape (n,) of both, found {position.shape}")
         line_pays = self.at_hand is not None or len(position) >= RECORDED_FROM
         samples = self._by_line(driven, time) if line_pays and not single and self.motion_at is None else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
@@ -177,13 +175,13 @@ class Solver:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
-def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[Samples, Driven]:
-    """Return the instants, s, and what the drive asks for at them and at its positions, of one shape, or InputError."""
+def driven_at(scene: Scene, position: Samples, time: ArrayLike | None, most: int = 1) -> tuple[Samples, Driven]:
+    """Return the instants, s, and what the drive asks for at them and its positions, of `most` axes, or InputError."""
     if time is not None:
         time = finite_numbers("time", time)
-    if not position.ndim or (time is not None and time.shape[-1:] != position.shape[-1:]):
-        given = f"{position.shape}" if time is None else f"{position.shape} and {time.shape}"
-        raise InputError(f"position, time: expected the shape (n,) of both, found {given}")
+    shapes = [given.shape for given in (position, time) if given is not None]
+    if any(not 0 < len(shape) <= most for shape in shapes) or len({shape[-1] for shape in shapes}) > 1:
+        raise InputError(f"position, time: expected the shape (n,) of both, found {' and '.join(map(str, shapes))}")
     if isinstance(scene.drive, ConstantSpeed):
         instants = (position - scene.drive.start) / scene.drive.speed if time is None else time
         return instants, Driven(position, np.array(scene.drive.speed), np.array(0.0))

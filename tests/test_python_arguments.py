@@ -114,6 +114,10 @@ def test_a_masked_array_of_an_engine(plug: Plug, reference: Any) -> None:
         (lambda: analytic.reduce_many(PRESS, MANY, [0.5], analytic.Extremes("P5.y")), "reductions: expected several"),
         (lambda: analytic.reduce_many(PRESS, MANY, [0.5], ["P5.y"]), "reductions: expected several"),
         (lambda: analytic.solve(PRESS, 0.5), "position, time: expected the shape (n,)"),
+        (
+            lambda: analytic.derivatives(PRESS, ROD, [[0.5]]),
+            "position, time: expected the shape (n,) of both, found (1, 1)",
+        ),
         (lambda: analytic.solve(PRESS, np.zeros(4), np.zeros(3)), "expected the shape"),
         (lambda: analytic.solve(PRESS, np.zeros((3, 4))), "expected the shape"),
         (lambda: analytic.solve_many(PRESS, MANY, 0.5), "position: expected the shape (1,)"),

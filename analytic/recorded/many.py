@@ -151,7 +151,7 @@ class ManySolver:
         numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
         shape = (rows.stop - rows.start, position.shape[-1])
         drive = {path: values for path, values in numbers.items() if path in ("drive.speed", "drive.start")}
-        instants, driven = driven_at(self.scene.with_numbers(drive), position, time)
+        instants, driven = driven_at(self.scene.with_numbers(drive), position, time, most=2)
         if self.tracks is None:
             filled = np.full((len(self.program.rows), *shape), np.nan)
         else:
