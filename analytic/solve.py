@@ -13,7 +13,7 @@ from scenes import Failure, InputError, Motion, Request, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.drive import Driven
 from scenes.model.motion import Samples, quantity
-from scenes.scene import ConstantSpeed, PressForce
+from scenes.scene import ConstantSpeed
 
 from .channels import FromBoth, all_channels, asked
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
@@ -76,8 +76,8 @@ def prepared(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = N
     """Return the solver by a decomposition, of groups that are needed."""
     request, needed = asked(scene, whole, channels)
     linkage, forces = followed(scene, needed), request.wants_forces(scene)
-    presses = {place: load for place, load in scene.elements if forces and isinstance(load, PressForce)}
-    ends = {place: stroke_end(scene, linkage, load.body, load.closing) for place, load in presses.items()}
+    presses = scene.presses.items() if forces else ()
+    ends = {place: stroke_end(scene, linkage, load.body, load.closing) for place, load in presses}
     return Solver(scene, linkage, ends, request, windings=windings(scene, linkage) if forces else {})
 
 

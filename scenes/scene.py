@@ -176,6 +176,11 @@ class Scene:
             yield from ((f"{key}.{number}", element) for number, element in enumerate(getattr(self, key)))
 
     @cached_property
+    def presses(self) -> Mapping[str, PressForce]:
+        """The loads that depend on the direction of motion, each by its place in the file."""
+        return {f"loads.{number}": load for number, load in enumerate(self.loads) if isinstance(load, PressForce)}
+
+    @cached_property
     def kinds(self) -> frozenset[str]:
         """The kinds of what acts on the bodies, and of drives that not every engine knows."""
         kinds = {one.kind for one in (*(element for _, element in self.elements), *self.friction)}

@@ -18,7 +18,6 @@ from scenes.arguments import known_names
 from scenes.drive import ConstantSpeed, Driven
 from scenes.laws import Piece
 from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
-from scenes.scene import PressForce
 
 from ..channels import all_channels
 from ..core.decomposition import decompose
@@ -91,9 +90,8 @@ class Boxes:
         if self.poses:
             over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
             self.branches = branches(over, self.divided(FIRST), self.most, periodic=drive.periodic)
-        for place, load in scene.elements:
-            if isinstance(load, PressForce) and place in self.program.strokes:
-                self.numbers[place] = self._stroke_end(self.program.strokes[place][0], load.closing)
+        for place, (displacement, _) in self.program.strokes.items():
+            self.numbers[place] = self._stroke_end(displacement, scene.presses[place].closing)
         self._line = self._line_of([*(rows[name] for name in self.names), *self.program.conditions.values()])
         self._choices = self._line_of([*self.program.make.choices.values()])
 

@@ -13,7 +13,6 @@ from scenes import Failure, InputError, Motion, Scene, Status
 from scenes.arguments import finite_numbers, names
 from scenes.drive import Driven, Samples
 from scenes.file.changes import numbers_of, refused
-from scenes.scene import PressForce
 
 from ..core.decomposition import decompose
 from ..core.groups.continuation import Track
@@ -226,13 +225,13 @@ def _stroke_ends(many: Scene, program: Program, tracks: Sequence[Mapping[Group, 
         return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
 
     ends, found = dict[str, Samples](), dict[Any, Samples]()  # several forces on one slider have one
-    for place, load in many.elements:
-        if isinstance(load, PressForce) and place in program.strokes:
-            each = [np.broadcast_to(one, (len(tracks), 1)) for one in (load.closing, *many.drive.extent)]
-            stroke = program.strokes[place], each[0].tobytes()
-            if stroke not in found:
-                move = partial(displaced, StraightLine(stroke[0]))
-                of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
-                found[stroke] = np.concatenate(of_parts)[:, np.newaxis]
-            ends[place] = found[stroke]
+    for place, moved in program.strokes.items():
+        closing, extent = many.presses[place].closing, many.drive.extent
+        each = [np.broadcast_to(one, (len(tracks), 1)) for one in (closing, *extent)]
+        stroke = moved, each[0].tobytes()
+        if stroke not in found:
+            move = partial(displaced, StraightLine(moved))
+            of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
+            found[stroke] = np.concatenate(of_parts)[:, np.newaxis]
+        ends[place] = found[stroke]
     return ends

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from scenes import Scene
 from scenes.arguments import finite_numbers
-from scenes.scene import PressForce
 
 from ..core.groups.group_equations import Group
 from ..solve import driven_at, solver
@@ -50,8 +49,7 @@ def page_program(
     program = recorded(scene, scene.numbers.keys() - FIXED, core.request.channels)
     line = script(program.rows)
     given = {**core.given_at(driven.position, instants), **driven._asdict()}
-    presses = {place: load for place, load in program.scene.elements if isinstance(load, PressForce)}
-    sense = {place: traced(program.make, load.closing).x for place, load in presses.items()}
+    sense = {place: traced(program.make, load.closing).x for place, load in program.scene.presses.items()}
     ends = {place: script([*of, sense[place]])._asdict() for place, of in program.strokes.items()}
     values = {**{path: number.value for path, number in scene.numbers.items()}, **core.stroke_ends}
     return {

@@ -89,10 +89,9 @@ def recorded(
     on = Reactions()
     strokes: dict[str, tuple[Expression, Expression]] = {}
     if request.wants_forces(scene):
-        for place, load in scene.elements:
-            if isinstance(load, PressForce):
-                s, ds, _ = (traced(make, x).x for x in k.displaced(opened, scene.bodies[load.body].points[0]))
-                strokes[place] = s, ds
+        for place, load in scene.presses.items():
+            s, ds, _ = (traced(make, x).x for x in k.displaced(opened, scene.bodies[load.body].points[0]))
+            strokes[place] = s, ds
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
         on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve()

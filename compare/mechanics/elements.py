@@ -16,7 +16,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
 from .bodies import inertia
-from .motion_vectors import MotionVectors, Vectors, press_forces
+from .motion_vectors import MotionVectors, Vectors
 from .turns import twist
 
 Element: TypeAlias = Load | Spring | TorsionSpring | Friction
@@ -146,7 +146,7 @@ def force(state: MotionVectors, load: Force | PressForce | GuideForce | TableFor
             value = complex(*load.force)
     vectors: Vectors = np.full(state.motion["time"].shape, value)
     if isinstance(load, PressForce):
-        acting = zip(state.acting, press_forces(state.scene), strict=True)
+        acting = zip(state.acting, state.scene.presses.values(), strict=True)
         vectors = next(share for share, one in acting if one is load) * vectors
     return vectors * np.exp(1j * state.angle(load.body)) if getattr(load, "frame", GROUND) == "body" else vectors
 

@@ -12,7 +12,6 @@ from scenes.model.motion import UNITS, channels, force_channels, friction_channe
 from ..engines import registry
 from .axis import axis
 from .constraints import Constraints
-from .motion_vectors import press_forces
 
 GROUPS: Mapping[str, str] = (
     dict.fromkeys(("x", "y", "angle"), "position")
@@ -37,7 +36,7 @@ class Mechanics:
     """The judge's own model of a linkage; parts that take time are made when they are first asked for."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, self.axis, self.presses = scene, axis(scene), press_forces(scene)
+        self.scene, self.axis, self.presses = scene, axis(scene), [*scene.presses.values()]
         self.forces = force_channels(scene)  # one a constraint; none without masses
         self.friction = friction_channels(scene)
         self.units = {c: UNITS[quantity(c)] for c in channels(scene)}  # by channel, in the order of the files

@@ -113,26 +113,21 @@ class MotionVectors:
 
     def stroke_ends(self) -> tuple[float, ...]:
         """Where the closing stroke of every press force ends, m; a slider has one for each way of closing."""
-        return tuple(map(self.stroke_end, press_forces(self.scene)))
+        return tuple(map(self.stroke_end, self.scene.presses.values()))
 
     def pressed(self, ends: Sequence[float]) -> Self:
         """The same with the press forces acting as it shows, whose strokes end at `ends`, m."""
-        presses = zip(press_forces(self.scene), ends, strict=True)
+        presses = zip(self.scene.presses.values(), ends, strict=True)
         acting = [load.acts(*self.displacement(self.scene.bodies[load.body]), end) for load, end in presses]
         return replace(self, acting=acting)
 
     def acts(self, ends: Sequence[float]) -> Iterator[Acts]:
         """Yield whether press forces, whose strokes end at `ends`, m, act a hair less and more far and fast, (4, n)."""
-        for load, end in zip(press_forces(self.scene), ends, strict=True):
+        for load, end in zip(self.scene.presses.values(), ends, strict=True):
             x, v = self.displacement(self.scene.bodies[load.body])
             dx = HAIR * np.ptp(x)
             dv = np.where(np.abs(end - x) <= dx, TURNING, HAIR) * np.abs(v).max()
             yield np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)])
-
-
-def press_forces(scene: Scene) -> tuple[PressForce, ...]:
-    """The loads that depend on the direction of motion."""
-    return tuple(load for load in scene.loads if isinstance(load, PressForce))
 
 
 def quintic(h: Any, x: Any, v: Any, a: Any) -> Samples:

@@ -116,8 +116,7 @@ def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressS
 
 def press_switches(poses: PoseSolver, start: Configuration) -> PressSwitches:
     """The instants of a cycle at which each press load starts and stops acting; Failure where no stroke is followed."""
-    loads = poses.system.scene.loads
-    return {load: _switches(poses, start, load) for load in loads if isinstance(load, PressForce)}
+    return {load: _switches(poses, start, load) for load in poses.system.scene.presses.values()}
 
 
 def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequence[float]:

@@ -98,9 +98,8 @@ def turn_of_guide(linkage: LinkageEquations, slider: str, position: float) -> co
 
 def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
     """Return the end of every press force's stroke, see `end_of_stroke`."""
-    presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
     end = cache(partial(end_of_stroke, linkage, continuation, q))
-    return {load: end(load.body, closing_sign(linkage.scene, load)) for load in presses}
+    return {load: end(load.body, closing_sign(linkage.scene, load)) for load in linkage.scene.presses.values()}
 
 
 def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, body: str, closing: int) -> float:

@@ -141,8 +141,7 @@ def whole_turns(linkage: LinkageConstraints) -> list[float]:
 def active_presses(linkage: LinkageConstraints, at: Instant, ends: Sequence[float]) -> list[NDArray[np.bool_]]:
     """Tell of each press force whether it acts; `ends` are those of their closing strokes, m."""
     active = []
-    presses = (load for load in linkage.scene.loads if isinstance(load, PressForce))
-    for load, end in zip(presses, ends, strict=True):
+    for load, end in zip(linkage.scene.presses.values(), ends, strict=True):
         i, along = linkage.index[load.body], complex(*linkage.slides[load.body].along)
         rate = (along.conjugate() * at.velocity[i]).real  # it does not turn
         active.append(load.acts(linkage.displacement(load.body, at.z, at.turn), rate, end))
@@ -215,13 +214,12 @@ def _constant(linkage: LinkageConstraints, name: str, body: pymunk.Body) -> tupl
 def stroke_ends(scene: Scene) -> Sequence[float]:
     """Where the closing strokes of the press forces end, m; once a scene, since its whole way is searched."""
     drive = scene.drive
-    presses = [load for load in scene.loads if isinstance(load, PressForce)]
-    if not presses:
+    if not scene.presses:
         return []
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
     paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
     end = cache(lambda body, closing: closing * max(_furthest(linkage, body, closing, path) for path in paths))
-    return [end(load.body, load.closing) for load in presses]
+    return [end(load.body, load.closing) for load in scene.presses.values()]
 
 
 def _furthest(linkage: LinkageConstraints, body: str, closing: int, path: Sequence[DrivePlace]) -> float:

@@ -11,7 +11,7 @@ from compare.judge.canaries import spoilt_motion as spoilt
 from compare.judge.causes.cause import Kind
 from compare.mechanics import elements
 from compare.mechanics.bodies import inertia
-from compare.mechanics.motion_vectors import MotionVectors, Vectors, press_forces
+from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion
 from scenes.model.motion import force_channels
 from scenes.scene import GROUND, Force, PressForce, TableForce
@@ -39,7 +39,7 @@ def left_out(clean: Clean) -> Iterator[Fault]:
     if turning:
         yield Fault("m s w^2", "m s w^2 left out everywhere", 1, Kind.term, "all", lambda: off)
         yield Fault("I alpha", "I alpha left out everywhere", 1, Kind.inertia, "all", lambda: swung)
-    rows, presses = np.arange(clean.sampling.count), press_forces(scene)
+    rows, presses = np.arange(clean.sampling.count), scene.presses.values()
     for load in scene.loads:
         if not (isinstance(load, Force | PressForce | TableForce) or load.kind == "force tables"):
             continue

@@ -24,7 +24,7 @@ from scenes.scene import GROUND
 from ...mechanics.bodies import weights
 from ...mechanics.elements import Push, generalised, of_element, weight
 from ...mechanics.friction import by_law
-from ...mechanics.motion_vectors import MotionVectors, press_forces
+from ...mechanics.motion_vectors import MotionVectors
 from .cause import Cause, Kind, stem
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
 from .scene_numbers import load_name, load_place
@@ -148,7 +148,7 @@ def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def _switches(carried: Carried) -> Iterator[Hypothesis]:
     """Press forces that act where they should not, or do not act where they should."""
-    for load, end in zip(press_forces(carried.scene), carried.evidence.reference.stroke_ends, strict=True):
+    for load, end in zip(carried.scene.presses.values(), carried.evidence.reference.stroke_ends, strict=True):
         x, v = carried.displacement(carried.scene.bodies[load.body])
         before_end, closing = (end - x) * load.closing, v * load.closing > 0
         limits = np.unique(before_end[closing])

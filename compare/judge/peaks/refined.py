@@ -13,7 +13,7 @@ import numpy as np
 from scenes import Failure, Motion, Scene
 from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
-from scenes.scene import MotionLaw, PressForce, SegmentedLaw
+from scenes.scene import MotionLaw, SegmentedLaw
 
 from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
@@ -30,7 +30,7 @@ AHEAD = 4  # steps beyond three samples: how far a parabola is followed
 def jumps(scene: Scene) -> bool:
     """Whether forces may jump, or bend at any place, within a cycle, as by press forces and by motion laws."""
     by_parts = isinstance(scene.drive, MotionLaw | SegmentedLaw)
-    return by_parts or any(isinstance(load, PressForce) for load in scene.loads)
+    return by_parts or bool(scene.presses)
 
 
 def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:

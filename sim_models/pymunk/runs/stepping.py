@@ -8,7 +8,7 @@ from math import ceil
 import numpy as np
 
 from scenes import Failure, ProcessorBudget, Sampling, Scene, Status
-from scenes.scene import GROUND, ConstantSpeed, Force, PressForce
+from scenes.scene import GROUND, ConstantSpeed, Force
 
 from ..bodies import pair
 from ..channels import Motions
@@ -74,8 +74,7 @@ class Integration:
         self._record: PoseArray = np.empty((count + 3, len(bodies), 6))
         self.record = self._record[1:]
         self.impulses = np.empty((count // stride + 1, len(self.joints)))
-        presses = sum(isinstance(load, PressForce) for load in scene.loads)
-        self.active = np.zeros((presses, count // stride + 1), dtype=np.bool_)
+        self.active = np.zeros((len(scene.presses), count // stride + 1), dtype=np.bool_)
 
     def model(self, pose: PoseArray, rate: PoseArray) -> Model:
         """A space of the run's, at a pose with some rates, each of shape (1, bodies, 3), to begin with more sweeps."""
