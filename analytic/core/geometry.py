@@ -65,7 +65,7 @@ def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> Number:
     points = {name: list(body.local.values()) for name, body in bodies.items()}
     points[GROUND] = [as_complex(xy) for xy in scene.ground.values()]
     arms = [abs(a - b) for own in points.values() for a, b in combinations(own, 2)]
-    for slide in (body.slide for body in scene.bodies.values() if body.slide is not None):
+    for slide in scene.slides.values():
         t, through = as_complex(slide.along), as_complex(slide.through)
         arms += [abs(cross(t, point - through)) for point in points[slide.on]]
     start, end = scene.drive.extent

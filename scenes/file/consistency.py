@@ -38,7 +38,7 @@ def _problems(scene: Scene, output_slides: bool) -> Iterator[str]:
 
 
 def _of_slides(scene: Scene) -> Iterator[str]:
-    on = {body.name: body.slide.on for body in scene.bodies.values() if body.slide is not None}
+    on = {name: slide.on for name, slide in scene.slides.items()}
     for name, carrier in on.items():
         if carrier != GROUND and carrier not in scene.bodies:
             known = [other for other in (GROUND, *scene.bodies) if other != name]
@@ -147,7 +147,7 @@ def _of_positions(scene: Scene, law: MotionLaw | SegmentedLaw, key: str) -> Iter
 
 def _of_joints(scene: Scene) -> Iterator[str]:
     """Whether all hangs together, and Gruebler's count: a pin and a slide take two freedoms each, the drive has one."""
-    slides = [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
+    slides = [(name, slide.on) for name, slide in scene.slides.items()]
     joined: dict[str, set[str]] = {name: set() for name in (GROUND, *scene.bodies)}
     for one, other in (*((pin.first, pin.second) for pin in scene.pins), *slides):
         joined[one].add(other)
