@@ -1,4 +1,4 @@
-"""Pages: what is packed in them, and one in a browser."""
+"""Pages: what is packed in them, one in a browser, and what a reader changes there."""
 
 import gzip
 import json
@@ -62,3 +62,19 @@ def silent(browser: "Browser", path: Path, **context: Any) -> "Iterator[Page]":
     yield page
     page.close()
     assert heard == [path.as_uri()]
+
+
+def pin(page: "Page", point: str) -> complex:
+    """Where the picture shows a pin, px."""
+    box = page.locator(f"#linkage [data-point={point}] > .pin").bounding_box()
+    assert box is not None
+    return complex(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+
+
+def typed(page: "Page", path: str, value: float) -> None:
+    page.locator(f'#bench input[aria-label^="{path} in"]').fill(str(value))
+
+
+def now(page: "Page", name: str) -> list[str]:
+    """The cells of a row: as judged, now, change, where."""
+    return page.locator("#bench .asked tr", has_text=name).locator("td").all_text_contents()

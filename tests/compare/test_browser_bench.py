@@ -18,28 +18,12 @@ from compare.study import Study
 from scenes import load
 from tests import scene_files
 from tests.comparisons import studied
-from tests.pages import silent
+from tests.pages import now, pin, silent, typed
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.browser
-
-
-def pin(page: "Page", point: str) -> complex:
-    """Where the picture shows a pin, px."""
-    box = page.locator(f"#linkage [data-point={point}] > .pin").bounding_box()
-    assert box is not None
-    return complex(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-
-
-def typed(page: "Page", path: str, value: float) -> None:
-    page.locator(f'#bench input[aria-label^="{path} in"]').fill(str(value))
-
-
-def now(page: "Page", name: str) -> list[str]:
-    """The cells of a row: as judged, now, change, where."""
-    return page.locator("#bench .asked tr", has_text=name).locator("td").all_text_contents()
 
 
 @pytest.fixture(scope="module")

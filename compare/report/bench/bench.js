@@ -60,12 +60,16 @@ const judgedSizes = bench.asked.map((one, r) => {
   rowsOut[r].cells[1].textContent = text(was);
   return { was, text };
 });
-const percent = (share, text) => `${share < 0 ? "−" : "+"}${text(Math.abs(share))} %`;
+const percent = (share, text) => {
+  if (!Number.isFinite(share)) return "–";
+  const size = text(Math.abs(share));
+  return Number(size) ? `${share < 0 ? "−" : "+"}${size} %` : "0 %";
+};
 const compare = () => bench.asked.forEach((one, r) => {
   const [now, at] = asked(one, isEdited ? rowsNow : rowsOfDesign, edited), { was, text } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
   cell.textContent = isEdited ? text(now) : "";
   change.textContent = isEdited ? percent(100 * (Math.abs(now / was) - 1), share => share.toFixed(1)) : "";
-  where.textContent = position(at);
+  where.textContent = Number.isFinite(now) ? position(at) : "–";
 });
 
 const update = () => {
@@ -76,9 +80,9 @@ const update = () => {
   document.body.classList.toggle("edited", isEdited);
   if (isEdited) force.value = force.value && 0, magnify.value = 0;
   force.disabled = magnify.disabled = isEdited;
-  const open = unclosed(rowsNow);
+  const open = unclosed(rowsNow), wrong = unmet(edited);
   const from = () => `from ${position(open[0])} to ${position(open.at(-1))}, where ${gaps(open).join(" and ")} cannot be closed`;
-  inTable(".open").textContent = open.length
+  inTable(".open").textContent = wrong ? `No scene file may have these numbers: ${wrong.text}.` : open.length
     ? `The page finds no solution at ${open.length} of ${count} positions, ${from()}: the nearest pose is drawn.` : "";
   guides.forEach(lay => lay());
   ways.forEach((path, k) => path.setAttribute("d", polyline(rows.map(n => at(bench.paths[k], n)))));
@@ -107,7 +111,7 @@ const STEP = 1e-4; // of a number, to either side
 let weighing = 0; // how often it has begun
 const weigh = async () => { // by what share the chosen number of the design changes with 1 % of each of its numbers
   const mine = ++weighing, one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
-  const size = () => (unclosed(solve(number, rows)).length ? NaN : Math.abs(asked(one, rows)[0]));
+  const size = () => (unclosed(solve(number, rows)).length ? NaN : Math.abs(asked(one, rows, number, 0)[0]));
   const now = size(), shares = [];
   for (const { dataset: { k } } of rowsIn) {
     const kept = number[k], [less, more] = [-1, 1].map(sign => {
@@ -185,7 +189,7 @@ const toml = () => {
   const lines = [];
   const section = (name, v) => lines.push(`\n[${name}]\n${pairs(v, "\n")}`);
   const plain = Object.entries(tables).filter(([, v]) => !(isTable(v) || isList(v)));
-  lines.push(pairs({ ...Object.fromEntries(plain), name: `${tables.name}_edited` }, "\n"));
+  lines.push(pairs(Object.fromEntries(plain), "\n"));
   for (const [name, v] of Object.entries(tables)) {
     if (isList(v)) v.forEach(one => section(`[${name}]`, one));
     else if (isTable(v) && Object.values(v).every(isTable)) Object.entries(v).forEach(([inner, one]) => section(`${key(name)}.${key(inner)}`, one));
@@ -200,6 +204,7 @@ inTable(".numbers").addEventListener("input", ({ target }) => {
   edited[k] = Number.isFinite(typed) ? typed * bench.numbers[k].size : design[k];
   update();
 });
+inTable(".numbers").addEventListener("focusout", list); // what is no number of a file gives way to the one that is used
 inTable("[name=weighed]").onchange = weigh;
 document.querySelector(".undo").onclick = () => {
   edited.set(design);

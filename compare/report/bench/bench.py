@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from scenes.bodies import LINE
 from scenes.file.changes import at_path
 from scenes.file.reader import tables_of
+from scenes.limits import NAME
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
-from scenes.scene import ConstantSpeed
 
 from ...engines import registry
 from ...judge.proof import channels_of
@@ -22,6 +23,7 @@ from ..linkage.moving import MovingPicture
 from ..numbers import units
 from ..pages.html import packed
 from ..plain import plain
+from .demands import demands
 
 ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
 SEED, MACHINES = 0, 500  # of the machines that the page draws: as `--monte-carlo 500` does
@@ -70,15 +72,31 @@ class Bench:
             "peaks": [self._peak(channel) for channel in self.program["channels"]],
             "paths": scene.moving_points,
             "extent": scene.drive.extent,
-            "steady": isinstance(scene.drive, ConstantSpeed),
             "points": {point: [*self._moves(point)] for point in scene.owners},
             "pushes": [*self._pushes()],
             "asked": self.asked,
             "machines": self._machines(),
             "limits": [*self._limits()],
-            "tables": tables_of(scene.file),
+            "demands": [*demands(scene, self._places)],
+            "height": LINE,
+            "tables": self._tables() | {"name": self.edited},
         }
         return packed(json.dumps(plain(data), separators=(",", ":")).encode())
+
+    @property
+    def edited(self) -> str:
+        """What the scene is named with other numbers."""
+        ending = "_edited"
+        return self.scene.name[: NAME - len(ending)] + ending
+
+    def _tables(self) -> dict[str, Any]:
+        """The tables of the scene's file, by points where the lengths of a body close on one line alone."""
+        tables, metre = tables_of(self.scene.file), self.scene.units["length"][1]
+        for name, body in self.scene.bodies.items():
+            if body.local is not None and tables["bodies"][name].pop("lengths", None):
+                points = {point: [float(f"{q / metre:.12g}") for q in place] for point, place in body.local.items()}
+                tables["bodies"][name]["points"] = points
+        return tables
 
     def _peak(self, channel: str) -> float:
         """What the page's difference of a channel is a part of: its peak, or where that is round-off its scale."""
@@ -88,17 +106,17 @@ class Bench:
     def _moves(self, point: str) -> Iterator[Mapping[str, Any]]:
         """Yield by body what of it changes when a point is dragged: lengths by their other ends, coordinates, a guide.
 
-        The driven body comes first, since the others follow what its drive leaves free; none where a body slides with
-        more than one point.
+        The driven body comes first and then one that slides, since the others follow what drive and guide leave free;
+        none where a body slides with more than one point, or as its drive asks.
         """
         at, scene = self._places, self.scene
         if point in scene.ground:
             yield {"ground": [at.get(f"ground.points.{point}.{q}", -1) for q in range(2)]}
             return
         owners = [scene.bodies[name] for name in scene.owners[point]]
-        if any(body.slide is not None and len(body.points) > 1 for body in owners):
+        if any(body.slide is not None and (len(body.points) > 1 or body.name == scene.drive.body) for body in owners):
             return
-        for body in sorted(owners, key=lambda body: body.name != scene.drive.body):
+        for body in sorted(owners, key=lambda body: (body.name != scene.drive.body, body.slide is None)):
             pairs = {other: f"bodies.{body.name}.lengths.{'-'.join(sorted((point, other)))}" for other in body.points}
             places = [f"bodies.{body.name}.points.{point}.{q}" for q in range(2)]
             axis = body.points[:2] if body.name == scene.drive.body else ()  # whose angle is the drive's
@@ -118,12 +136,15 @@ class Bench:
             yield {"channel": channel, "on": slide.on, "way": [way.real, way.imag], "names": names}
 
     def _machines(self) -> Mapping[str, Any]:
-        """The numbers that vary from machine to machine, and by how much those of the drawn machines are off, SI."""
-        scene = self.scene
+        """The numbers that vary from machine to machine, and by how much those of the drawn machines are off, SI.
+
+        Left out are those on which nothing depends, as the inertia of a body that does not turn.
+        """
+        scene, at = self.scene, self._places
         drawn = draws(scene, SEED, 0, MACHINES) if scene.variations else {}
-        numbers = [scene.numbers[at_path(scene, path)] for path in drawn]
-        off = [own * scene.size(number) - number.value for number, own in zip(numbers, drawn.values(), strict=True)]
-        return {"numbers": [self._places[number.path] for number in numbers], "off": off}
+        varied = [(scene.numbers[at_path(scene, path)], own) for path, own in drawn.items()]
+        off = {at[n.path]: own * scene.size(n) - n.value for n, own in varied if n.path in at}
+        return {"numbers": [*off], "off": [*off.values()]}
 
     def _limits(self) -> Iterator[Mapping[str, Any]]:
         """Yield the scene's limits with the channels that each is of."""
@@ -159,5 +180,7 @@ class Bench:
         for path, k in self._places.items():
             number = self.scene.numbers.get(path)
             if number is not None and number.quantity.dimension != "direction":
-                least = "" if number.quantity.negative else 0
-                yield {"k": k, "path": path, "unit": self.scene.all_units[number.quantity.dimension][0], "least": least}
+                unit, size = self.scene.all_units[number.quantity.dimension]
+                most = number.quantity.largest / size
+                least = -most if number.quantity.negative else 0
+                yield {"k": k, "path": path, "unit": unit, "least": least, "most": most}

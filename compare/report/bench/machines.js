@@ -1,6 +1,9 @@
 // Machines within the scene's tolerances about the design as it is: a band in each plot, and how many meet the limits.
 const drawn = bench.machines, chosen = inTable("[name=machines]"), PART = 8, FEW = 0.01; // ms of a frame; left out at each end
-let quick = null; // the program without angles, whose arcs take most of the time
+const limited = new Set(bench.limits.flatMap(({ channels }) => channels));
+const idle = bench.channels.flatMap((name, k) => (name.endsWith(".angle") && !limited.has(name) ? [`row[${k}]`] : []));
+let quick = null; // the program without angles that have no limit: their arcs take most of the time
+const withoutAngles = () => compiled(bench.line.split("\n").filter(text => !idle.includes(text.split("[i]")[0])).join("\n"));
 let isRunning = false, isStale = false; // whether the design has changed meanwhile
 
 const meets = rows => bench.limits.every(({ kind, channels, least, most }) => {
@@ -34,7 +37,7 @@ const machines = async () => {
     if (unclosed(solve(number, own, (quick ??= withoutAngles()))).length) continue;
     running++;
     met += meets(own);
-    bench.asked.forEach((wanted, k) => sizes[k].push(asked(wanted, own)[0]));
+    bench.asked.forEach((wanted, k) => sizes[k].push(asked(wanted, own, number, 2)[0]));
     bands.forEach(band => widen(band, own));
   }
   isRunning = false;

@@ -8,8 +8,6 @@ const rate = index["drive.speed"];
 const compiled = text => new Function(`return ${text}`)();
 await pause();
 const line = compiled(bench.line), strokes = Object.entries(bench.strokes).map(([name, s]) => [name, s, compiled(s.text)]);
-const angles = new Set(bench.channels.flatMap((channel, k) => (channel.endsWith(".angle") ? [`row[${k}]`] : [])));
-const withoutAngles = () => compiled(bench.line.split("\n").filter(text => !angles.has(text.split("[i]")[0])).join("\n"));
 const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new Float64Array(n)); // the last: the reach
 const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
 const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
@@ -39,11 +37,21 @@ const strokeEnd = (number, { numbers: paths, given: names }, run) => { // of a s
 const unclosed = rows => [...rows.at(-1).keys()].filter(n => !(rows.at(-1)[n] >= 0)); // samples without a pose
 const inputs = (number, of = values => values) => Object.entries(given).map(([name, values]) => {
   const faster = name === "time" && rate !== undefined ? number[rate] / design[rate] : 1; // where a speed is edited
-  return faster === 1 ? of(values) : of(values).map(time => time / faster);
+  return faster === 1 ? of(values, name) : of(values, name).map(time => time / faster);
+});
+const lengthOf = ([x, y, u, v], number) => (y === undefined ? number[x] : Math.hypot(number[u] - number[x], number[v] - number[y]));
+const isFlat = (sides, number) => { // by Heron's formula, over the longest side
+  const lengths = sides.map(side => lengthOf(side, number)), [a, b, c] = lengths.map(side => side / Math.max(...lengths));
+  return Math.sqrt(Math.max((a + b + c) * (a + b - c) * (a - b + c) * (b + c - a), 0)) / 2 <= bench.height;
+};
+const unmet = number => bench.demands.find(({ terms, flat, sides }) => {
+  if (sides) return isFlat(sides, number) !== flat;
+  return !(terms.reduce((whole, [k, times]) => whole + times * number[k], 0) > 0);
 });
 const solve = (number, rows, by = line) => {
   for (const [name, stroke, run] of strokes) number[index[name]] = strokeEnd(number, stroke, run);
   by(number, inputs(number), rows, count);
+  if (unmet(number)) rows.at(-1).fill(NaN);
   for (const n of unclosed(rows)) for (const row of rows) row[n] = NaN; // whatever the formulas give
   return rows;
 };
@@ -69,6 +77,7 @@ const selfDifference = () => { // the largest, as a part of each channel's peak;
 // --- what a design is asked for --------------------------------------------------------------------------------------
 
 const FINER = 16, LEVELS = 4; // positions of a bracket, and brackets in each other
+const HIGH = 0.02, PEAKS = 3; // of the range: how far below the largest sample that next to the highest peak may be
 const few = arrays(FINER + 1);
 const measures = { // of some channels, at n
   largest: (_, x, y) => n => (y ? Math.sqrt(x[n] * x[n] + y[n] * y[n]) : Math.abs(x[n])),
@@ -76,23 +85,36 @@ const measures = { // of some channels, at n
   range: ([u, v], x, y) => n => u * x[n] + v * y[n],
 };
 const measured = ({ kind, along, channels }, rows) => measures[kind](along, ...channels.map(channel => rows[column[channel]]));
-const refined = (number, rows, of, best) => { // the largest near a sample, between samples where the drive is steady
-  if (!number || !bench.steady) return of(rows)(best);
+const slopes = { position: given.rate, rate: given.acceleration }; // by a law; at a constant speed nothing bends
+const between = places => (values, name) => places.map(p => { // of an input, between samples
+  const n = Math.min(Math.floor(p), count - 2), share = p - n, step = values[n + 1] - values[n];
+  if (!slopes[name]) return values[n] + share * step;
+  const span = value("time", n + 1) - value("time", n), [first, last] = [n, n + 1].map(k => span * slopes[name][k] - step);
+  return values[n] + share * step + share * (1 - share) * ((1 - share) * first - share * last);
+});
+const refined = (number, of, best, levels) => { // the largest near a sample
   let [low, high, top] = [Math.max(best - 1, 0), Math.min(best + 1, count - 1), -Infinity];
-  for (let level = 0; level < LEVELS; level++) {
+  for (let level = 0; level < levels; level++) {
     const places = Array.from({ length: FINER + 1 }, (_, k) => low + ((high - low) * k) / FINER);
-    const between = values => places.map(p => values[Math.floor(p)] * (1 - (p % 1)) + (values[Math.ceil(p)] ?? 0) * (p % 1));
-    line(number, inputs(number, between), few, FINER + 1);
-    const there = of(few), sizes = places.map((_, k) => there(k)), k = sizes.indexOf(Math.max(...sizes));
+    line(number, inputs(number, between(places)), few, FINER + 1);
+    if (unclosed(few).length) return top; // next to a place without a pose it may be as large as one likes
+    const here = of(few), sizes = places.map((_, n) => here(n)), k = largestAt(sizes);
     top = Math.max(top, sizes[k]);
     [low, high] = [places[Math.max(k - 1, 0)], places[Math.min(k + 1, FINER)]];
   }
-  return Number.isFinite(top) ? top : of(rows)(best); // next to a place without a pose
+  return top;
 };
-const asked = (one, rows, number) => { // SI, and the sample that is nearest; without the numbers of samples alone
-  const of = rows => measured(one, rows), here = of(rows), sizes = rows[0].map((_, n) => here(n));
-  const at = largestAt(sizes), top = refined(number, rows, of, at);
+const largest = (number, rows, of, levels) => { // SI, and the sample that is nearest; without levels of samples alone
+  const here = of(rows), sizes = rows[0].map((_, n) => here(n)), at = largestAt(sizes), most = sizes[at];
+  if (!levels) return [most, at];
+  const least = sizes.reduce((least, v) => (v < least ? v : least), most), enough = most - HIGH * (most - least);
+  const peaks = [...sizes.keys()].filter(n => sizes[n] >= enough && !(sizes[n - 1] > sizes[n] || sizes[n + 1] > sizes[n]));
+  const highest = peaks.sort((a, b) => sizes[b] - sizes[a]).slice(0, PEAKS); // the first and the last of a turn are two
+  return [Math.max(most, ...highest.map(n => refined(number, of, n, levels))), at];
+};
+const asked = (one, rows, number, levels = LEVELS) => {
+  const of = rows => measured(one, rows), [top, at] = largest(number, rows, of, levels);
   if (one.kind === "least") return [-top, at];
   if (one.kind === "largest") return [one.channels.length > 1 ? top : top * Math.sign(rows[column[one.channels[0]]][at]), at];
-  return [top + refined(number, rows, rows => n => -of(rows)(n), largestAt(sizes.map(size => -size))), at];
+  return [top + largest(number, rows, rows => n => -of(rows)(n), levels)[0], at];
 };

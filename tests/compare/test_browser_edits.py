@@ -1,0 +1,187 @@
+"""Edits that no shipped scene is an example of: the page has what the core has for the scene copied from it."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import analytic
+import scenes
+from compare.measure.many.machines import draws
+from compare.report.output import files
+from scenes.limits import NAME
+from tests import scene_files
+from tests.comparisons import studied
+from tests.pages import now, pin, silent, typed
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytestmark = pytest.mark.browser
+
+LAW = [{"to": 250, "within": 0.4, "law": "cycloidal"}, {"within": 0.1}, {"to": 450, "within": 0.5, "law": "harmonic"}]
+PRESS = {  # by a law, its force gone between two samples; with a number on which nothing depends
+    "bodies.slider.com": [0, 0],
+    "bodies.slider.inertia": 1e5,
+    "drive": {"body": "crank", "start": 90, "segments": LAW, "periodic": True},
+    "limits": {"rod.angle": {"most": -86.2939}},
+    "variations": [
+        {"path": "bodies.slider.inertia", "plus_minus": 1e4},
+        {"path": "bodies.rod.lengths.A-B", "plus_minus": 3},
+        {"path": "loads.0.last", "plus_minus": 2},
+    ],
+}
+LEVER = {  # a coupler by three lengths on one line, and as long a name as may be
+    "name": "n" * NAME,
+    "bodies.coupler": {"lengths": {"A-B": 350, "A-T": 150, "B-T": 200}, "mass": 2},
+    "bodies.rocker": {"lengths": {"C-B": 250, "B-D": 150, "C-D": 200}, "mass": 2},
+    "sketch.D": [500, 150],
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("edits")
+
+
+def written(folder: Path, name: str, changes: dict[str, Any]) -> tuple[scenes.Scene, Path]:
+    """A changed scene, and its page."""
+    scene = scenes.load(scene_files.write(folder, name, changes))
+    return scene, files.write(studied(scene), folder) / "report.html"
+
+
+def opened(browser: "Browser", path: Path) -> "Iterator[Page]":
+    with silent(browser, path, viewport={"width": 1400, "height": 1000}, reduced_motion="reduce") as page:
+        page.wait_for_selector("#bench .controls:not([hidden])")
+        yield page
+
+
+@pytest.fixture(scope="module")
+def press(browser: "Browser", folder: Path) -> "Iterator[tuple[scenes.Scene, Page]]":
+    scene, path = written(folder, "crank_press", PRESS)
+    for page in opened(browser, path):
+        yield scene, page
+
+
+@pytest.fixture
+def lever(browser: "Browser", folder: Path) -> "Iterator[Page]":
+    yield from opened(browser, written(folder, "elements", LEVER)[1])
+
+
+def shown(text: str) -> float:
+    return float(text.split()[0].replace("−", "-"))
+
+
+def copied(page: "Page", folder: Path) -> scenes.Scene:
+    page.locator(".copy").click()
+    (folder / "copied.toml").write_text(page.locator("#scene-text").input_value(), encoding="utf-8")
+    return scenes.load(folder / "copied.toml")
+
+
+def turn(scene: scenes.Scene) -> tuple[Any, Any]:
+    """Many positions of a cycle, and their instants."""
+    time = np.linspace(0, scene.drive.cycle, 100_001)
+    return scene.drive.at(time).position, time
+
+
+def test_the_peaks_of_a_press_by_a_law_are_between_the_samples(press: "tuple[scenes.Scene, Page]") -> None:
+    """The torque is largest where the force ends, up to a sample of 14 ms after the last one that has it."""
+    scene, page = press
+    core = analytic.solve(scene, *turn(scene))
+    torque = core["drive.torque"][np.abs(core["drive.torque"]).argmax()] / 1e3
+    assert shown(now(page, "Drive: torque")[0]) == pytest.approx(torque, rel=1e-3)
+    assert shown(now(page, "stroke")[0]) == pytest.approx(np.ptp(core["B.y"]) * 1e3, abs=0.06)
+
+
+def test_the_machines_of_a_press_by_a_law_are_those_of_the_core(press: "tuple[scenes.Scene, Page]") -> None:
+    """Also how many meet a limit of an angle, and where one of the numbers that vary is of no matter."""
+    scene, page = press
+    page.locator("#bench [name=machines]").check()
+    page.wait_for_function("document.querySelector('#bench .machines').textContent")
+    time = np.linspace(0, scene.drive.cycle, 73)
+    angle = analytic.solve_many(scene, draws(scene, 0, 0, 500), scene.drive.at(time).position, time)["rod.angle"]
+    met = int((np.degrees(np.remainder(angle + np.pi, 2 * np.pi) - np.pi) <= -86.2939).all(axis=1).sum())
+    assert 100 < met < 400
+    assert f"{met} of them" in page.locator("#bench .machines").inner_text()
+    time = np.linspace(0, scene.drive.cycle, 4001)
+    core = analytic.solve_many(
+        scene, draws(scene, 0, 0, 500), scene.drive.at(time).position, time, frozenset(["drive.torque"])
+    )
+    peaks = np.sort(np.abs(core["drive.torque"]).max(axis=1)) / 1e3
+    low, high = map(shown, now(page, "Drive: torque")[4].split(" to "))
+    assert low == pytest.approx(peaks[5], rel=2e-3)
+    assert high == pytest.approx(peaks[494], rel=2e-3)
+    page.locator("#bench [name=machines]").uncheck()
+
+
+def test_a_peak_between_the_last_sample_of_a_turn_and_its_end(browser: "Browser", folder: Path) -> None:
+    """The first sample is as high as the last one, and the curve falls after it."""
+    position = np.linspace(0, 2 * np.pi, 36001)
+    core = analytic.solve(scene_files.load("elements"), position)
+    size = np.hypot(core["T.ax"], core["T.ay"])
+    start = float(np.degrees(position[size.argmax()])) + 2  # of steps of 5 degrees
+    _, path = written(folder, "elements", {"drive.start": start})
+    for page in opened(browser, path):
+        assert shown(now(page, "T: acceleration")[0]) == pytest.approx(size.max(), rel=5e-4)
+
+
+def test_a_copied_scene_has_points_where_lengths_are_on_one_line(lever: "Page", folder: Path) -> None:
+    """With them its numbers are those shown; its name is cut to what a name may have."""
+    typed(lever, "bodies.coupler.points.T.0", 160)
+    scene = copied(lever, folder)
+    core = analytic.solve(scene, np.linspace(0, 2 * np.pi, 7201))
+    assert shown(now(lever, "Drive: torque")[1]) == pytest.approx(np.abs(core["drive.torque"]).max(), rel=2e-3)
+    assert scene.name == "n" * (NAME - len("_edited")) + "_edited"
+    assert lever.locator("#bench b", has_text=f"{scene.name}.toml").count()
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "text"),
+    [
+        ("bodies.rocker.lengths.B-D", 20, "the triangle of C, B, D cannot close"),
+        ("loads.0.table.0.0", 500, "the rows of loads.0.table are out of order"),
+        ("bodies.coupler.points.T.1", 40, "coupler has a mass as a bar, and needs 'com' and 'inertia'"),
+    ],
+)
+def test_numbers_that_no_file_may_have_together_are_no_linkage(
+    lever: "Page", path: str, value: float, text: str
+) -> None:
+    """The formulas have numbers for them, as of a flat triangle; the page has none, and names why."""
+    typed(lever, path, value)
+    assert text in lever.locator("#bench .open").inner_text()
+    assert now(lever, "Drive: torque")[1:4] == ["– N m", "–", "–"]
+
+
+def test_a_number_that_is_not_taken_does_not_stay(lever: "Page") -> None:
+    for value in ("-5", "0", "", "1e40"):
+        box = lever.locator('#bench input[aria-label^="bodies.rocker.lengths.B-C in"]')
+        box.fill(value)
+        box.blur()
+        assert box.input_value() == "250"
+    assert not lever.get_by_text("Edited: not cross-checked").is_visible()
+
+
+def test_what_does_not_change_changes_by_nothing(lever: "Page") -> None:
+    typed(lever, "drive.speed", 91)
+    assert now(lever, "Least transmission angle")[2] == "0 %"
+
+
+def test_a_slider_that_is_dragged_stays_on_its_guide(browser: "Browser", press_report: Path) -> None:
+    """As far along it as the pointer, whatever that is aside."""
+    for page in opened(browser, press_report / "report.html"):
+        start = pin(page, "P5")
+        page.mouse.move(start.real, start.imag)
+        page.mouse.down()
+        page.mouse.move(start.real - 30, start.imag + 6, steps=3)
+        page.mouse.up()
+        assert abs(pin(page, "P5") - (start + 6j)) < 0.2
+
+
+def test_a_slider_that_is_driven_cannot_be_dragged(browser: "Browser", folder: Path) -> None:
+    scene, path = written(folder, "garage_door", {})
+    for page in opened(browser, path):
+        (point,) = scene.bodies[scene.drive.body].points
+        assert page.locator("#linkage .draggable").count()
+        assert not page.locator(f"#linkage [data-point={point}].draggable").count()
