@@ -127,6 +127,21 @@ def test_a_peak_between_the_last_sample_of_a_turn_and_its_end(browser: "Browser"
         assert shown(now(page, "T: acceleration")[0]) == pytest.approx(size.max(), rel=5e-4)
 
 
+def test_a_peak_at_a_row_of_a_law_is_found(browser: "Browser", folder: Path) -> None:
+    """Between samples, where the acceleration bends; it is of the other sign than that of the nearest samples."""
+    scene, path = written(folder, "turning_law", {})
+    core = analytic.solve(scene, *turn(scene))["block.guide_force"]
+    for page in opened(browser, path):
+        assert shown(now(page, "Guide on block")[0]) == pytest.approx(core[np.abs(core).argmax()], rel=5e-4)
+
+
+def test_what_is_round_off_is_zero(browser: "Browser", folder: Path) -> None:
+    """A torque that nothing asks for has no digits, and no share by which it changes."""
+    for page in opened(browser, written(folder, "telescope", {})[1]):
+        typed(page, "drive.speed", 7)
+        assert now(page, "Drive: torque")[:3] == ["0 N m", "0 N m", "–"]
+
+
 def test_a_copied_scene_has_points_where_lengths_are_on_one_line(lever: "Page", folder: Path) -> None:
     """With them its numbers are those shown; its name is cut to what a name may have."""
     typed(lever, "bodies.coupler.points.T.0", 160)

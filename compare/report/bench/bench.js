@@ -55,8 +55,11 @@ const guides = [...svg.querySelectorAll("[data-guides]")].map(guide => { // on t
 
 const rowsIn = inTable(".numbers tbody").rows, rowsOut = inTable(".asked tbody").rows;
 const judgedSizes = bench.asked.map((one, r) => {
-  const [was] = asked(one, rowsOfDesign, design), places = decimals(Math.abs(one.factor * was), 4);
-  const text = (...values) => `${values.map(size => written(one.factor * size, places)).join(" to ")} ${one.unit}`;
+  const [size] = asked(one, rowsOfDesign, design), was = Math.abs(size) > one.zero ? size : 0;
+  const text = (...values) => {
+    const places = decimals(Math.abs(one.factor * (was || values[0])), 4);
+    return `${values.map(size => (Math.abs(size) <= one.zero ? "0" : written(one.factor * size, places))).join(" to ")} ${one.unit}`;
+  };
   rowsOut[r].cells[1].textContent = text(was);
   return { was, text };
 });

@@ -13,6 +13,7 @@ from scenes.file.changes import at_path
 from scenes.file.reader import tables_of
 from scenes.limits import NAME
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
+from scenes.scene import ConstantSpeed
 
 from ...engines import registry
 from ...judge.proof import channels_of
@@ -39,6 +40,7 @@ class DesignNumber:
     channels: Sequence[str]
     factor: float
     unit: str
+    zero: float  # SI: what is no more is round-off
     along: tuple[float, float] = (1.0, 0.0)
 
 
@@ -77,6 +79,7 @@ class Bench:
             "asked": self.asked,
             "machines": self._machines(),
             "limits": [*self._limits()],
+            "law": self._law(),
             "demands": [*demands(scene, self._places)],
             "height": LINE,
             "tables": self._tables() | {"name": self.edited},
@@ -146,6 +149,14 @@ class Bench:
         off = {at[n.path]: own * scene.size(n) - n.value for n, own in varied if n.path in at}
         return {"numbers": [*off], "off": [*off.values()]}
 
+    def _law(self) -> Mapping[str, Any] | None:
+        """The pieces of a motion law, how long they take where they are repeated, s, and how far they lead."""
+        drive = self.scene.drive
+        if isinstance(drive, ConstantSpeed):
+            return None
+        first, last = drive.after([0, 1])
+        return {"pieces": drive.pieces, "cycle": drive.cycle if drive.periodic else 0, "gain": last - first}
+
     def _limits(self) -> Iterator[Mapping[str, Any]]:
         """Yield the scene's limits with the channels that each is of."""
         for name, limit in self.scene.limits.items():
@@ -163,15 +174,21 @@ class Bench:
         names |= {scene.effort_channel: f"Drive: {quantity(scene.effort_channel)}"}
         names |= {f"{scene.output}.{rate}": f"{scene.output}: {rate}" for rate in ("speed", "acceleration")}
         asked = list[DesignNumber]()
+
+        def zero(channels: Sequence[str]) -> float:
+            return ROUNDING * max(self.study.reference.scale.get(channel, 1.0) for channel in channels)
+
         for one, name in names.items():
             channels = channels_of(scene, one, known)
             if {*channels} <= {*known}:
-                asked.append(DesignNumber(name, "largest", channels, *named[UNITS[quantity(one)]]))
+                asked.append(DesignNumber(name, "largest", channels, *named[UNITS[quantity(one)]], zero(channels)))
         guided, output = scene.guided(scene.output), [f"{scene.output}.{q}" for q in "xy"]
         if guided is not None and {*output} <= {*known}:
-            asked.append(DesignNumber(f"{scene.output}: stroke", "range", output, *named["m"], guided[1].along))
+            asked.append(
+                DesignNumber(f"{scene.output}: stroke", "range", output, *named["m"], zero(output), guided[1].along)
+            )
         if angles := channels_of(scene, TRANSMISSION, known):
-            asked.append(DesignNumber("Least transmission angle", "least", angles, *named["rad"]))
+            asked.append(DesignNumber("Least transmission angle", "least", angles, *named["rad"], ROUNDING))
         return asked
 
     @property

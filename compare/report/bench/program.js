@@ -77,7 +77,7 @@ const selfDifference = () => { // the largest, as a part of each channel's peak;
 // --- what a design is asked for --------------------------------------------------------------------------------------
 
 const FINER = 16, LEVELS = 4; // positions of a bracket, and brackets in each other
-const HIGH = 0.02, PEAKS = 3; // of the range: how far below the largest sample that next to the highest peak may be
+const HIGH = 0.1, PEAKS = 3; // of the range: how far below the largest sample that next to the highest peak may be
 const few = arrays(FINER + 1);
 const measures = { // of some channels, at n
   largest: (_, x, y) => n => (y ? Math.sqrt(x[n] * x[n] + y[n] * y[n]) : Math.abs(x[n])),
@@ -85,12 +85,23 @@ const measures = { // of some channels, at n
   range: ([u, v], x, y) => n => u * x[n] + v * y[n],
 };
 const measured = ({ kind, along, channels }, rows) => measures[kind](along, ...channels.map(channel => rows[column[channel]]));
-const slopes = { position: given.rate, rate: given.acceleration }; // by a law; at a constant speed nothing bends
+const lawAt = time => { // what a motion law asks for, by its pieces: polynomials and sines
+  const { pieces, cycle, gain } = bench.law, cycles = cycle ? Math.floor(time / cycle) : 0, own = time - cycles * cycle;
+  const [begin, polynomial, sines, lag] = pieces.findLast(([begin]) => begin <= own) ?? pieces[0], t = own - begin - lag;
+  let [position, rate, acceleration] = [0, 0, 0];
+  for (const c of polynomial.toReversed())
+    [position, rate, acceleration] = [position * t + c, rate * t + position, acceleration * t + 2 * rate];
+  for (const [size, omega, phase] of sines) {
+    position += size * Math.sin(omega * t + phase);
+    rate += omega * size * Math.cos(omega * t + phase);
+    acceleration -= omega ** 2 * size * Math.sin(omega * t + phase);
+  }
+  return { position: position + cycles * gain, rate, acceleration };
+};
 const between = places => (values, name) => places.map(p => { // of an input, between samples
-  const n = Math.min(Math.floor(p), count - 2), share = p - n, step = values[n + 1] - values[n];
-  if (!slopes[name]) return values[n] + share * step;
-  const span = value("time", n + 1) - value("time", n), [first, last] = [n, n + 1].map(k => span * slopes[name][k] - step);
-  return values[n] + share * step + share * (1 - share) * ((1 - share) * first - share * last);
+  const n = Math.min(Math.floor(p), count - 2), share = p - n, along = at => at(n) * (1 - share) + at(n + 1) * share;
+  const driven = bench.law && lawAt(along(n => value("time", n)));
+  return driven && name in driven ? driven[name] : along(n => values[n]);
 });
 const refined = (number, of, best, levels) => { // the largest near a sample
   let [low, high, top] = [Math.max(best - 1, 0), Math.min(best + 1, count - 1), -Infinity];
@@ -110,7 +121,8 @@ const largest = (number, rows, of, levels) => { // SI, and the sample that is ne
   const least = sizes.reduce((least, v) => (v < least ? v : least), most), enough = most - HIGH * (most - least);
   const peaks = [...sizes.keys()].filter(n => sizes[n] >= enough && !(sizes[n - 1] > sizes[n] || sizes[n + 1] > sizes[n]));
   const highest = peaks.sort((a, b) => sizes[b] - sizes[a]).slice(0, PEAKS); // the first and the last of a turn are two
-  return [Math.max(most, ...highest.map(n => refined(number, of, n, levels))), at];
+  const found = highest.map(n => [refined(number, of, n, levels), n]);
+  return found.reduce((best, one) => (one[0] > best[0] ? one : best), [most, at]);
 };
 const asked = (one, rows, number, levels = LEVELS) => {
   const of = rows => measured(one, rows), [top, at] = largest(number, rows, of, levels);
