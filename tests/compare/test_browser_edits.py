@@ -116,6 +116,21 @@ def test_the_machines_of_a_press_by_a_law_are_those_of_the_core(press: "tuple[sc
     page.locator("#bench [name=machines]").uncheck()
 
 
+def test_where_a_press_force_begins_and_ends_weighs(press: "tuple[scenes.Scene, Page]") -> None:
+    """The torque is largest where the force begins or ends, and moves with that place."""
+    scene, page = press
+    page.locator("#bench .numbers").scroll_into_view_if_needed()
+    page.locator("#bench [name=weighed]").select_option(label="Drive: torque")
+    row = page.locator("#bench .numbers tr", has=page.locator('th:text-is("loads.0.last")'))
+    row.locator("span:not(:empty)").wait_for()
+    last = scene.numbers["loads.0.last"].value
+    others = (scene.with_numbers({"loads.0.last": share * last}) for share in (0.99, 1.01))
+    low, high = (np.abs(analytic.solve(other, *turn(other))["drive.torque"]).max() for other in others)
+    share = 100 * (high - low) / (high + low)
+    assert share > 0.1
+    assert shown(row.locator("span").inner_text()) == pytest.approx(share, rel=0.05)
+
+
 def test_a_peak_between_the_last_sample_of_a_turn_and_its_end(browser: "Browser", folder: Path) -> None:
     """The first sample is as high as the last one, and the curve falls after it."""
     position = np.linspace(0, 2 * np.pi, 36001)
@@ -167,6 +182,14 @@ def test_numbers_that_no_file_may_have_together_are_no_linkage(
     typed(lever, path, value)
     assert text in lever.locator("#bench .open").inner_text()
     assert now(lever, "Drive: torque")[1:4] == ["– N m", "–", "–"]
+
+
+def test_where_there_is_no_solution_there_is_no_force(lever: "Page") -> None:
+    """None of zero either; the table keeps to the poses that there are."""
+    lever.locator("#linkage [type=range]").fill("36")
+    typed(lever, "bodies.crank.points.A.0", 300)
+    assert "finds no solution" in lever.locator("#bench .open").inner_text()
+    assert lever.locator("#linkage .now").inner_text() == ""
 
 
 def test_a_number_that_is_not_taken_does_not_stay(lever: "Page") -> None:

@@ -110,11 +110,11 @@ new IntersectionObserver(([{ isIntersecting }]) => {
   if (isNear) weigh();
 }, { rootMargin: "50%" }).observe(inTable(".numbers"));
 
-const STEP = 1e-4; // of a number, to either side
+const STEP = 1e-4, FINE = 6; // of a number, to either side; so that places of jumps are known far better
 let weighing = 0; // how often it has begun
 const weigh = async () => { // by what share the chosen number of the design changes with 1 % of each of its numbers
   const mine = ++weighing, one = bench.asked[inTable("[name=weighed]").value], rows = arrays(count), number = edited.slice();
-  const size = () => (unclosed(solve(number, rows)).length ? NaN : Math.abs(asked(one, rows, number, 0)[0]));
+  const size = () => (unclosed(solve(number, rows)).length ? NaN : Math.abs(asked(one, rows, number, FINE)[0]));
   const now = size(), shares = [];
   for (const { dataset: { k } } of rowsIn) {
     const kept = number[k], [less, more] = [-1, 1].map(sign => {
@@ -122,7 +122,7 @@ const weigh = async () => { // by what share the chosen number of the design cha
       return size();
     });
     number[k] = kept;
-    shares.push(kept ? (more - less) / (2 * STEP) / now : NaN); // of a zero there is no share
+    shares.push(kept && now > one.zero ? (more - less) / (2 * STEP) / now : NaN); // of a zero there is no share
     await pause();
     if (mine !== weighing || !isNear) return;
   }

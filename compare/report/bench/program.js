@@ -76,8 +76,8 @@ const selfDifference = () => { // the largest, as a part of each channel's peak;
 
 // --- what a design is asked for --------------------------------------------------------------------------------------
 
-const FINER = 16, LEVELS = 4; // positions of a bracket, and brackets in each other
-const HIGH = 0.1, PEAKS = 3; // of the range: how far below the largest sample that next to the highest peak may be
+const FINER = 16, LEVELS = 3; // positions of a bracket, and brackets in each other
+const PEAKS = 3; // at most, that are looked at more closely
 const few = arrays(FINER + 1);
 const measures = { // of some channels, at n
   largest: (_, x, y) => n => (y ? Math.sqrt(x[n] * x[n] + y[n] * y[n]) : Math.abs(x[n])),
@@ -115,13 +115,12 @@ const refined = (number, of, best, levels) => { // the largest near a sample
   }
   return top;
 };
-const largest = (number, rows, of, levels) => { // SI, and the sample that is nearest; without levels of samples alone
+const largest = (number, rows, of, levels) => { // SI, and the sample that is nearest
   const here = of(rows), sizes = rows[0].map((_, n) => here(n)), at = largestAt(sizes), most = sizes[at];
-  if (!levels) return [most, at];
-  const least = sizes.reduce((least, v) => (v < least ? v : least), most), enough = most - HIGH * (most - least);
-  const peaks = [...sizes.keys()].filter(n => sizes[n] >= enough && !(sizes[n - 1] > sizes[n] || sizes[n + 1] > sizes[n]));
-  const highest = peaks.sort((a, b) => sizes[b] - sizes[a]).slice(0, PEAKS); // the first and the last of a turn are two
-  const found = highest.map(n => [refined(number, of, n, levels), n]);
+  const drop = (n, k) => sizes[n] - (sizes[n + k] ?? sizes[n - k]); // to a neighbour; of a parabola's top an eighth is above
+  const isPeak = n => Math.min(drop(n, -1), drop(n, 1)) >= 0 && sizes[n] + (drop(n, -1) + drop(n, 1)) / 4 >= most;
+  const peaks = [...sizes.keys()].filter(isPeak).sort((a, b) => sizes[b] - sizes[a]); // both ends of a turn, where it is there
+  const found = peaks.slice(0, PEAKS).map(n => [refined(number, of, n, levels), n]);
   return found.reduce((best, one) => (one[0] > best[0] ? one : best), [most, at]);
 };
 const asked = (one, rows, number, levels = LEVELS) => {

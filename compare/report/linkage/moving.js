@@ -160,6 +160,7 @@ const jointForces = (n, engine) => joints.map(joint => Math.hypot(...vector(join
 const words = (n, engine) => {
   if (!joints.length) return "";
   const sizes = jointForces(n, engine), most = Math.max(...sizes);
+  if (!most) return ""; // no solution here, or no forces
   const drive = effort ? ` Drive: ${written(drives(n, engine), drivesPlaces)} ${effort.unit}.` : "";
   return `Largest joint force: ${newtons(most)}, ${joints[sizes.indexOf(most)].name}.${drive}`;
 };
