@@ -59,5 +59,8 @@ def page_program(
         "line": line.text,
         "given": {name: np.broadcast_to(given[name], instants.shape) for name in line.given},
         "strokes": ends,
-        "gaps": {"joints": [*program.conditions], **script([*program.conditions.values()])._asdict()},
+        "gaps": {
+            "joints": [name.partition(" (")[0] for name in program.conditions],
+            **script([*program.conditions.values()])._asdict(),
+        },
     }

@@ -1,5 +1,6 @@
 """Edits that no shipped scene is an example of: the page has what the core has for the scene copied from it."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -184,6 +185,15 @@ def test_numbers_that_no_file_may_have_together_are_no_linkage(
     assert now(lever, "Drive: torque")[1:4] == ["– N m", "–", "–"]
 
 
+def test_a_torsion_spring_goes_with_a_body_that_is_turned_over(browser: "Browser", folder: Path) -> None:
+    """By half a turn, with the frame of the rocker; the angle is counted from the drive's start, as in the core."""
+    for page in opened(browser, written(folder, "elements", {})[1]):
+        typed(page, "bodies.rocker.points.B.1", -250)
+        core = analytic.solve(copied(page, folder), np.linspace(0, 2 * np.pi, 7201))
+        size = np.hypot(core["O.fx"], core["O.fy"]).max()
+        assert shown(now(page, "Pin O")[1]) == pytest.approx(size, rel=1e-3)
+
+
 def test_where_there_is_no_solution_there_is_no_force(lever: "Page") -> None:
     """None of zero either; the table keeps to the poses that there are."""
     lever.locator("#linkage [type=range]").fill("36")
@@ -193,12 +203,18 @@ def test_where_there_is_no_solution_there_is_no_force(lever: "Page") -> None:
 
 
 def test_a_number_that_is_not_taken_does_not_stay(lever: "Page") -> None:
-    for value in ("-5", "0", "", "1e40"):
-        box = lever.locator('#bench input[aria-label^="bodies.rocker.lengths.B-C in"]')
-        box.fill(value)
-        box.blur()
-        assert box.input_value() == "250"
+    for path, value in (("bodies.rocker.lengths.B-C", "250"), ("drive.speed", "90")):
+        for text in ("-5", "0", "", "1e40"):
+            box = lever.locator(f'#bench input[aria-label^="{path} in"]')
+            box.fill(text)
+            box.blur()
+            assert box.input_value() == value
     assert not lever.get_by_text("Edited: not cross-checked").is_visible()
+
+
+def test_the_ends_of_a_periodic_table_are_not_changed_alone(lever: "Page") -> None:
+    rows = lever.locator("#bench .numbers th", has_text=re.compile(r"loads\.3\.table\.\d\.1")).all_text_contents()
+    assert rows == ["loads.3.table.1.1"]
 
 
 def test_what_does_not_change_changes_by_nothing(lever: "Page") -> None:

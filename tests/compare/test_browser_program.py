@@ -55,7 +55,7 @@ def solved_in(page: "Page", scene: Scene, folder: Path, numbers: Samples) -> tup
     program = page_program(scene, position, time)
     assert program is not None
     named = [{"path": path, "value": value} for path, value in zip(program["numbers"], program["values"], strict=True)]
-    data = {**program, "numbers": named, "extent": scene.drive.extent, "demands": []}
+    data = {**program, "numbers": named, "extent": scene.drive.extent, "demands": [], "wound": {}}
     script = resources("compare.report.bench").joinpath("program.js").read_text(encoding="utf-8")
     text = f"<!doctype html><meta charset=utf-8><body><script type=json id=data>{json.dumps(plain(data))}</script>"
     (folder / "page.html").write_text(text + STUB % (len(position), script), encoding="utf-8")

@@ -13,7 +13,7 @@ from scenes.file.changes import at_path
 from scenes.file.reader import tables_of
 from scenes.limits import NAME
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
-from scenes.scene import ConstantSpeed
+from scenes.scene import ConstantSpeed, TorsionSpring
 
 from ...engines import registry
 from ...judge.proof import channels_of
@@ -80,6 +80,7 @@ class Bench:
             "machines": self._machines(),
             "limits": [*self._limits()],
             "law": self._law(),
+            "wound": dict(self._wound()),
             "demands": [*demands(scene, self._places)],
             "height": LINE,
             "tables": self._tables() | {"name": self.edited},
@@ -149,6 +150,12 @@ class Bench:
         off = {at[n.path]: own * scene.size(n) - n.value for n, own in varied if n.path in at}
         return {"numbers": [*off], "off": [*off.values()]}
 
+    def _wound(self) -> Iterator[tuple[str, Sequence[str]]]:
+        """Yield the torsion springs whose angles the page follows over whole turns, with those of both bodies."""
+        for place, spring in self.scene.elements:
+            if isinstance(spring, TorsionSpring) and place in self.program["given"]:
+                yield place, [f"{spring.second}.angle", f"{spring.first}.angle"]
+
     def _law(self) -> Mapping[str, Any] | None:
         """The pieces of a motion law, how long they take where they are repeated, s, and how far they lead."""
         drive = self.scene.drive
@@ -194,10 +201,16 @@ class Bench:
     @property
     def editable(self) -> Iterator[Mapping[str, Any]]:
         """Yield the numbers that a reader may change: their places among all, paths, and units of the file."""
+        ends = set[str]()  # of periodic tables, whose values are the same
+        for place, load in self.scene.elements:
+            if (table := getattr(load, "table", None)) is not None and table.periodic:
+                ends |= {f"{place}.table.{row}.1" for row in (0, len(table.values) - 1)}
         for path, k in self._places.items():
             number = self.scene.numbers.get(path)
-            if number is not None and number.quantity.dimension != "direction":
+            if number is not None and number.quantity.dimension != "direction" and path not in ends:
                 unit, size = self.scene.all_units[number.quantity.dimension]
                 most = number.quantity.largest / size
                 least = -most if number.quantity.negative else 0
+                if path == "drive.speed":  # of the same sign: the positions are those of the run
+                    least, most = (0, most) if number.value > 0 else (least, 0)
                 yield {"k": k, "path": path, "unit": unit, "least": least, "most": most}

@@ -11,7 +11,6 @@ from typing import Any, TypeAlias
 
 from scenes import Scene
 from scenes.bodies import Body
-from scenes.scene import ConstantSpeed
 
 Signs: TypeAlias = Mapping[str, int]  # by path, 1 or -1
 Sides: TypeAlias = list[list[str]]
@@ -39,8 +38,6 @@ def _sums(scene: Scene) -> Iterator[tuple[str, Signs]]:
     for place, _ in scene.elements:
         rows = [path for path in scene.numbers if fnmatch(path, f"{place}.table.*.0")]
         yield from ((f"the rows of {place}.table are out of order", {a: -1, b: 1}) for a, b in pairwise(rows))
-    if isinstance(scene.drive, ConstantSpeed) and scene.drive.end is not None:
-        yield "the drive moves away from its end", {"drive.speed": 1 if scene.drive.advance > 0 else -1}
 
 
 def _triangles(body: Body) -> Iterator[Sides]:

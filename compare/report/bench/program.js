@@ -48,9 +48,24 @@ const unmet = number => bench.demands.find(({ terms, flat, sides }) => {
   if (sides) return isFlat(sides, number) !== flat;
   return !(terms.reduce((whole, [k, times]) => whole + times * number[k], 0) > 0);
 });
+const rewind = rows => { // the angles of torsion springs over whole turns, from the drive's start on
+  for (const [name, bodies] of Object.entries(bench.wound)) {
+    const [second, first] = bodies.map(channel => rows[column[channel]] ?? new Float64Array(count));
+    let turned = 0;
+    for (let n = 0; n < count; n++) {
+      const rough = second[n] - first[n], whole = Math.round((turned - rough) / (2 * Math.PI));
+      if (Number.isFinite(rough)) turned = rough + 2 * Math.PI * whole; // else there is no pose
+      given[name][n] = turned;
+    }
+  }
+};
 const solve = (number, rows, by = line) => {
   for (const [name, stroke, run] of strokes) number[index[name]] = strokeEnd(number, stroke, run);
   by(number, inputs(number), rows, count);
+  if (by === line && Object.keys(bench.wound).length) {
+    rewind(rows);
+    by(number, inputs(number), rows, count);
+  }
   if (unmet(number)) rows.at(-1).fill(NaN);
   for (const n of unclosed(rows)) for (const row of rows) row[n] = NaN; // whatever the formulas give
   return rows;
