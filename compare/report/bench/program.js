@@ -91,7 +91,7 @@ const selfDifference = () => { // the largest, as a part of each channel's peak;
 
 // --- what a design is asked for --------------------------------------------------------------------------------------
 
-const FINER = 16, LEVELS = 3; // positions of a bracket, and brackets in each other
+const FINER = 16, LEVELS = 4; // positions of a bracket, and brackets in each other
 const PEAKS = 3; // at most, that are looked at more closely
 const few = arrays(FINER + 1);
 const measures = { // of some channels, at n
