@@ -13,6 +13,7 @@ from ..numbers import units, written
 from . import TableRows
 
 DIGITS = 6  # shown of a bound
+UNKNOWN = "not known"
 NOTHING = 2e-6  # of the largest value of a unit: no closer is a bound known that is zero
 
 
@@ -27,24 +28,30 @@ def bounds(study: Judgement) -> TableRows:
 
 
 def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
-    """Yield what each extreme is not beyond."""
-    shown, largest = units(study.reference), dict[str, float]()
+    """Yield what each extreme is not beyond; of a bound that is farther off than the channel is ever large, nothing."""
+    shown, sizes, largest = units(study.reference), dict(study.reference.scale), dict[str, float]()
     for row in study.proof.rows:
-        unit = UNITS[quantity(row.channel)]
-        known = (abs(end) for end in (row.low, row.high) if not isinf(end))
-        largest[unit] = max(largest.get(unit, 0.0), *known, 0.0)
+        unit, size = UNITS[quantity(row.channel)], abs(_ends(row)[1])
+        if not isinf(size):
+            sizes[row.channel] = max(sizes.get(row.channel, 0.0), size)
+            largest[unit] = max(largest.get(unit, 0.0), size)
     for row in rows:
-        unit = UNITS[quantity(row.channel)]
-        value, sign = (row.high, 1) if row.extreme == "most" else (row.low, -1)
-        if isinf(value):
-            yield "not known"
-        elif abs(value) <= NOTHING * largest[unit]:
+        unit, sign = UNITS[quantity(row.channel)], 1 if row.extreme == "most" else -1
+        value, attained = _ends(row)
+        if abs(value) <= NOTHING * largest.get(unit, 0.0):
             yield "≈ 0" if value else "0"
+        elif not abs(value - attained) <= sizes.get(row.channel, 0.0):
+            yield UNKNOWN
         else:
             factor = shown.get(unit, (1.0, ""))[0]
             place = 10.0 ** (DIGITS - 1 - floor(log10(abs(value * factor))))
             outwards = sign * ceil(sign * value * factor * place) / place / factor
             yield written(outwards, unit, shown, digits=DIGITS)
+
+
+def _ends(row: Enclosure) -> tuple[float, float]:
+    """What an extreme is not beyond, and what it is beyond, at least up to rounding."""
+    return (row.high, row.low) if row.extreme == "most" else (row.low, row.high)
 
 
 def sentences(study: Judgement) -> Iterator[str]:
@@ -59,13 +66,11 @@ def sentences(study: Judgement) -> Iterator[str]:
     else:
         proofs = ["it assembles"]
         forces = [row for row in proof.rows if row.extreme == "most" and row.channel.endswith(".force")]
-        forces = [row for row in forces if row.channel in magnitudes(scene) and not isinf(row.high)]
-        if forces:
-            largest = max(forces, key=lambda row: row.high)
+        largest = max((row for row in forces if row.channel in magnitudes(scene)), key=lambda row: row.high, default=None)
+        if largest is not None and (most := next(_bounds(study, [largest]))) != UNKNOWN:
             joint, where = largest.channel.removesuffix(".force"), place(scene, largest[4:])
-            (most,) = _bounds(study, [largest])
             proofs.append(f"no pin carries more than {most} ({joint} {where})")
-        for least in _bounds(study, [row for row in proof.rows if row[:2] == (TRANSMISSION, "least")]):
+        for least in _bounds(study, [row for row in proof.rows if row[:2] == (TRANSMISSION, "least") and row.low > 0]):
             proofs.append(f"no transmission angle is below {least}")
         yield f"Proven {over}: {', '.join(proofs)}."
     open_limits = [limit.text for limit in study.limits if limit.outcome != MET]

@@ -1,5 +1,6 @@
 """What is proven over the whole range in a judgement: limits held against it, and where nothing is known."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from compare.report.tables.proof import bounds, sentences
 from compare.run import main
 from scenes import InputError, Motion, Sampling, Scene
 from scenes.model.enclosures import Enclosure, Enclosures
+from scenes.model.motion import TRANSMISSION
 from tests import scene_files
 
 FEW = Sampling(samples=8)
@@ -104,3 +106,18 @@ def test_bounds_that_are_shown_are_bounds() -> None:
     shown = [float(str(row[name]).split()[0].replace(",", "")) for name in ("never below", "never above")]
     assert shown[0] <= 2.0
     assert shown[1] >= 4.0
+
+
+@pytest.mark.parametrize("most", [np.inf, 1e30])
+def test_a_bound_far_above_what_is_attained_is_not_known(most: float) -> None:
+    """As of a long chain of dyads, whose boxes are too wide: it is no proof of anything, nor one of the other pins."""
+    result = compare.check(limited({}), engines=("analytic",), samples=8)
+    whole = " ".join(sentences(result))
+    assert "no pin carries more than" in whole
+    assert "no transmission angle is below" in whole
+    wide = {("A.force", "most"): {"high": most}, (TRANSMISSION, "least"): {"low": -3.2}}
+    result.proof = replace(result.proof, rows=[row._replace(**wide.get(row[:2], {})) for row in result.proof.rows])
+    (sentence,) = sentences(result)
+    assert sentence == "Proven over the whole turn: it assembles."
+    (row,) = (row for row in bounds(result) if row["channel"] == "A.force")
+    assert row["never above"] == "not known"
