@@ -55,7 +55,7 @@ def cycle_name(scene: Scene) -> str:
 
 def prefixed(scale: float, unit: str) -> tuple[float, str]:
     """The factor from SI to the unit in which a scale reads from 1 to 10,000, and that unit; SI for no scale."""
-    prefixes = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+    prefixes = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
     digits = log10(scale or 1.0)
     power = 3 * floor((digits if digits < 0 else max(digits - 1, 0)) / 3)
     power = min(max(power, min(prefixes)), max(prefixes))

@@ -1,16 +1,20 @@
 """Numbers for a reader: quantities in the units of a page, shares in per cent, errors as short powers of ten."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from math import floor, isinf, isnan, log10, pi
 from typing import TypeAlias
+
+import numpy as np
 
 from scenes.model.motion import UNITS, quantity
 
 from ..mechanics.axis import prefixed
 from ..mechanics.reference import Reference
+from ..mechanics.scales import magnitude
 
 Units: TypeAlias = Mapping[str, tuple[float, str]]  # by SI unit the factor to the unit shown, and the name of that
 
+RATES = ("m/s", "m/s^2")  # whose scale, of errors, is what a steady drive would make of the travel
 ALONE: Units = {"": (1.0, ""), "rad": (180 / pi, "°")}  # those that take no prefix
 DIGITS, OF_LENGTHS = 3, 4  # significant ones
 MOST = 1e4  # what a peak reads less than, in the units of a page
@@ -22,17 +26,27 @@ TINY = 1e-4  # in its unit: what is less has a power of ten
 def units(*references: Reference) -> Units:
     """Units of a page, of all its scenes: one for each kind of quantity, in which its peak reads between 1 and 10,000.
 
-    Lengths and their rates are in the unit of the scene's file where it suits them; work and power are not among them.
+    Lengths and their rates are in the unit of the scene's file where it suits them; work is not among them.
     """
-    sizes = [(UNITS[quantity(channel)], size) for of in references for channel, size in of.scale.items()]
+    sizes = [pair for of in references for pair in _sizes(of)]
     return suited(references[0].scene.units["length"], sizes)
+
+
+def _sizes(reference: Reference) -> Iterator[tuple[str, float]]:
+    """Yield by SI unit how large its channels are over the cycle: places by their travel, rates and forces by peaks."""
+    cycle, drive = reference.cycle, reference.scene.drive
+    for channel, size in reference.scale.items():
+        unit = UNITS[quantity(channel)]
+        yield unit, float(magnitude(cycle, channel).max()) if unit in RATES and channel in cycle else size
+    if (effort := reference.scene.effort_channel) in cycle:
+        yield "W", float(np.abs(cycle[effort] * drive.at(cycle["time"]).rate).max())
 
 
 def suited(length: tuple[str, float], sizes: Iterable[tuple[str, float]]) -> Units:
     """The same by a file's unit of length, and sizes in SI, each with its unit."""
     name, size = length
     of_the_file = {"m": name, "m/s": f"{name}/s", "m/s^2": f"{name}/s²"}
-    peaks, shown = dict.fromkeys((*of_the_file, "N", "N*m"), 0.0), dict(ALONE)
+    peaks, shown = dict.fromkeys((*of_the_file, "N", "N*m", "W"), 0.0), dict(ALONE)
     for unit, value in sizes:
         peaks |= {unit: max(peaks[unit], abs(value))} if unit in peaks else {}
     for si, peak in peaks.items():

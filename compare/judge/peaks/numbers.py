@@ -84,9 +84,13 @@ def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[Cycle
         yield CycleNumber(f"peak {name} {effort}", curve, value, curve.unit, size, np.where(acts, row, -1))
     mean_square = _sum(values**2, time) / (time[..., -1] - time[..., 0])
     yield CycleNumber(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
-    power = np.abs(values * rate).max(axis=-1)
-    least = NOTHING * curve.scale * np.abs(rate).max(axis=-1)
-    yield CycleNumber("peak drive power", curve, power, "W", np.maximum(power, least))
+    power, fastest = values * rate, np.abs(rate).max(axis=-1)
+    most = np.maximum(np.abs(power).max(axis=-1), NOTHING * curve.scale * fastest)
+    for name, height in (("driving", power), ("braking", -power)):
+        row = height.argmax(axis=-1)
+        acts = at(height, row) > ROUNDING * curve.scale * fastest
+        value = np.where(acts, at(power, row), 0.0)
+        yield CycleNumber(f"peak {name} power", curve, value, "W", most, np.where(acts, row, -1))
     way = np.abs(np.diff(position)).sum(axis=-1)
     yield CycleNumber(f"work a {cycle_name(scene)}", curve, _sum(values, position), "J", size * way)
 

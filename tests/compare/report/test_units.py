@@ -17,6 +17,8 @@ from tests.scene_files import Changes
 LIGHT = {f"bodies.{body}.mass": 1e-9 for body in ("crank", "coupler", "rocker")}
 LARGE = {"units": {"length": "m", "mass": "kg", "force": "N", "angle": "deg", "speed": "rpm"}}
 FAST = {"drive.speed": -6000}
+FASTER_THAN_SCALED = {"drive.speed": -200}  # its errors are scaled by T w = 9,850 mm/s, and it is faster than 10,000
+NEXT_TO_NOTHING = LIGHT | {"drive.speed": -0.006}  # of which the power is less than a nanowatt
 SCENES: dict[str, tuple[str, Changes]] = {
     "a press": ("toggle_press", {}),
     "a four-bar": ("four_bar", {}),
@@ -24,6 +26,8 @@ SCENES: dict[str, tuple[str, Changes]] = {
     "of tiny masses": ("four_bar", LIGHT),
     "huge": ("four_bar", LARGE),
     "fast": ("four_bar", FAST),
+    "faster than what scales its errors": ("four_bar", FASTER_THAN_SCALED),
+    "of next to no power": ("four_bar", NEXT_TO_NOTHING),
 }
 QUANTITIES = ("m", "m/s", "m/s^2", "N", "N*m", "J", "W")
 
