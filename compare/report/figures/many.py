@@ -11,6 +11,7 @@ from ...measure.many.study import MonteCarlo
 from ...mechanics.axis import axis, prefixed
 from ..numbers import capital
 from ..tables.family import EFFORTS, label, names
+from ..tables.family import shown_units as family_units
 from ..tables.monte_carlo import moving, shown_units
 from .figure import Figure, draw, grid
 from .style import DARK_GREY, DASHES, LEGEND_BESIDE, categories, colour, drive_axes, graded, layout
@@ -27,12 +28,12 @@ SHADES = 5  # colours before they are taken again, paler
 
 def curves(family: Family) -> Figure:
     """Draw the output's displacement, velocity and acceleration, and the drive's effort, over the drive's position."""
-    shown = list(drawn(family))
+    shown, named = list(drawn(family)), family_units(family)
     units = {name: unit for name, unit in (CURVES | OF_THE_DRIVE).items() if name in shown[0][1].curves}
     over = axis(family.scene)
     figure = grid([f"{'Drive' if name in OF_THE_DRIVE else family.scene.output}: {name}" for name in units], 2)
     for number, (name, si) in enumerate(units.items(), start=1):
-        factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in shown), si)
+        factor, unit = named[si]
         for member, cycle in shown:
             x = (over.factor * cycle.position)[::STRIDE].astype(np.float32)
             y = (factor * cycle.curves[name])[::STRIDE].astype(np.float32)
@@ -64,10 +65,11 @@ def over_number(family: Family) -> Figure:
     known = [(tuple(m.changes.values()), m.numbers) for m in family.members]
     kinds = [kind for kind in SHOWN if any(kind in numbers for _, numbers in known)]
     first, *others = names(family.variations)
+    named = family_units(family)
     figure = grid([capital(kind) for kind in kinds], 2)
     for panel, kind in enumerate(kinds, start=1):
         of = [numbers[kind] for _, numbers in known if kind in numbers]
-        factor, unit = prefixed(max(abs(peak.value) for peak in of), of[0].unit)
+        factor, unit = named[of[0].unit]
         for number, rest in enumerate(dict.fromkeys(values[1:] for values, _ in known)):
             own = [(values[0], numbers) for values, numbers in known if values[1:] == rest]
             y = [factor * numbers[kind].value if kind in numbers else np.nan for _, numbers in own]

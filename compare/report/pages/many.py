@@ -13,7 +13,6 @@ from ...mechanics.axis import axis
 from ..figures.many import MOST_LINES, curves, drawn, histograms, over_number, variance_shares
 from ..linkage.drawing import Drawing
 from ..linkage.svg import by_itself
-from ..numbers import units
 from ..tables import assemblies as assembly_tables
 from ..tables import family as family_tables
 from ..tables import monte_carlo as monte_carlo_tables
@@ -67,7 +66,7 @@ def _shown(family: Family) -> Iterator[dict[str, Any]]:
     """Yield by name what the slider shows of the members that are drawn, all at one scale and with the same units."""
     chosen = [(member, member.judgement) for member, _ in drawn(family) if member.judgement is not None]
     alone = [Drawing(judged.scene, registry.motion(judged.scene, DRAWN)) for _, judged in chosen]
-    named = units(*(judged.reference for _, judged in chosen)) if chosen else {}
+    named = family_tables.shown_units(family) if chosen else {}
     for (member, judged), own in zip(chosen, alone, strict=True):
         over = own.motion[axis(own.scene).channel]
         yield {

@@ -17,7 +17,7 @@ from ...judge.verdict import within
 from ...measure.many.family import Family, Member
 from ...measure.many.grid import VariedNumber
 from ...mechanics.axis import prefixed
-from ..numbers import ALONE, written
+from ..numbers import ALONE, Units, suited, written
 from . import TableRows
 from .study import floors
 
@@ -62,7 +62,8 @@ def overview(family: Family) -> TableRows:
     """Yield a row a member as a reader wants it: units with prefixes, as many digits as set the members apart."""
     varied = [name.replace("-", "\u2011") for name in names(family.variations)]  # which do not break into lines
     known = [member.numbers for member in family.members]
-    columns = [(kind, *_column(kind, known)) for kind in OVERVIEW if any(kind in numbers for numbers in known)]
+    kinds = (kind for kind in OVERVIEW if any(kind in numbers for numbers in known))
+    columns = [(kind, *_column(kind, known, shown_units(family))) for kind in kinds]
     for member, numbers in zip(family.members, known, strict=True):
         changes = (f"{value:.6g}" for value in member.changes.values())
         row: dict[str, object] = {**dict(zip(varied, changes, strict=True)), "status": member.status}
@@ -71,14 +72,25 @@ def overview(family: Family) -> TableRows:
         yield row | {f"{engine} error": error for engine, error in zip(family.engines, errors, strict=True)}
 
 
-def _column(kind: str, members: Sequence[dict[str, Peak]]) -> tuple[str, Callable[[Peak], str]]:
-    """The header of a column of numbers, and a function that writes one: all in one unit, as finely."""
+def shown_units(family: Family) -> Units:
+    """Units of the page: one for each kind of quantity, by the numbers of all members that run."""
+    judged = [member.judgement for member in family.members if member.judgement is not None]
+    return suited(family.scene.units["length"], ((peak.unit, peak.value) for each in judged for peak in each.peaks))
+
+
+def _column(kind: str, members: Sequence[dict[str, Peak]], named: Units) -> tuple[str, Callable[[Peak], str]]:
+    """The header of a column of numbers, and a function that writes one: all in one unit, as finely; zero as `0`."""
     scaled_by = STROKE if kind == CLOSED else kind
     largest = max((abs(numbers[scaled_by].value) for numbers in members if scaled_by in numbers), default=0.0) or 1.0
     one = next(numbers[kind] for numbers in members if kind in numbers)
-    factor, unit = ALONE.get(one.unit) or prefixed(largest, one.unit)
+    factor, unit = named.get(one.unit) or prefixed(largest, one.unit)
     decimals, joint = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9), _at_a_joint(one)
-    return _header(one, unit), lambda peak: f"{peak.value * factor:.{decimals}f} {peak.of if joint else ''}".strip()
+
+    def text(peak: Peak) -> str:
+        number = f"{peak.value * factor:,.{decimals}f}".replace("-", "−") if peak.value else "0"
+        return f"{number} {peak.of if joint else ''}".strip()
+
+    return _header(one, unit), text
 
 
 def _header(peak: Peak, unit: str) -> str:

@@ -1,6 +1,7 @@
 """A family by the command line: its files, its exit status, and what a stop leaves."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,7 +12,8 @@ import pytest
 import scenes
 from compare.measure.many import family
 from compare.measure.many.grid import variation
-from compare.report.figures.many import over_number
+from compare.report.figures.many import curves, over_number
+from compare.report.tables import family as family_tables
 from compare.run import main
 from tests import scene_files
 from tests.pages import unpacked, without_scripts
@@ -128,3 +130,27 @@ def test_numbers_over_what_varies() -> None:
         values = [m.numbers[kind].value for m in of.members if m.cycle and m.changes["drive.speed"] == 30]
         assert trace["y"][1:] / trace["y"][1] == pytest.approx(np.array(values) / values[0])
     assert stroke["y"][-1] == pytest.approx(163.6, abs=0.5), "mm"
+
+
+def test_one_unit_a_quantity_in_tables_and_figures() -> None:
+    """At 55 rpm the press drives with 9.6 kN m and brakes with 11.7: each alone would have another unit."""
+    varied, press = [variation("drive.speed=50:55:2")], scenes.load("toggle_press")
+    of = family.Family(press, varied, ["analytic"])
+    of.members.extend(run(press.file, ["drive.speed=50:55:2"]))
+    shown = [*next(iter(family_tables.overview(of)))]
+    for figure in (curves(of), over_number(of)):
+        shown += [axis["title"]["text"] for name, axis in figure.layout.items() if name.startswith("yaxis")]
+    units = [text.partition("[")[2].rstrip("]") for text in shown]
+    assert {unit for unit in units if unit.endswith("N m")} == {"kN m"}
+    assert {unit for unit in units if unit.endswith("m/s²")} == {"mm/s²"}
+
+
+def test_a_drive_that_only_drives_brakes_by_zero() -> None:
+    """Which is `0`, in the unit of the torque that there is."""
+    of = family.Family(scenes.load("four_bar"), [variation("drive.speed=-60:-50:2")], ["analytic"])
+    of.members.extend(run("four_bar", ["drive.speed=-60:-50:2"]))
+    for member in of.members:
+        assert member.judgement is not None
+        numbers = member.judgement.peaks
+        member.judgement.peaks[:] = [replace(p, value=0.0) if "braking" in p.name else p for p in numbers]
+    assert {row["peak braking torque [N m]"] for row in family_tables.overview(of)} == {"0"}
