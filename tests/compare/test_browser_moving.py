@@ -8,11 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import scenes
 from compare.report.linkage.drawing import Drawing
 from compare.report.output import files
 from compare.study import Study
 from scenes.model.motion import header
 from tests import scene_files
+from tests.chain import chain
 from tests.comparisons import studied
 from tests.pages import silent
 
@@ -233,27 +235,46 @@ def test_the_picture_is_saved(report: "Page", tmp_path: Path, button: str, begin
     assert file.stat().st_size > 5000
 
 
-def test_every_arrow_has_its_value_and_no_value_lies_on_another(report: "Page") -> None:
-    """Nor on the name of a point, at any sample."""
-    wrong = report.evaluate(
+def labelled_wrongly(page: "Page") -> list[Any]:
+    """What is wrong at any sample: texts on each other or cut off, arrows without their values."""
+    wrong: list[Any] = page.evaluate(
         """() => {
           const slider = document.querySelector("#linkage [type=range]"), wrong = [];
-          const every = kind => [...document.querySelectorAll(`#linkage svg ${kind}`)];
-          const shown = kind => every(kind).filter(e => !e.style.display);
+          const svg = document.querySelector("#linkage svg"), frame = svg.getBoundingClientRect();
+          const shown = kind => [...svg.querySelectorAll(kind)].filter(e => !e.style.display);
           for (let n = 0; n <= +slider.max; n++) {
             slider.value = n;
             slider.dispatchEvent(new Event("input"));
-            const values = shown(".value").map(e => e.getBoundingClientRect());
-            const names = shown(".name").map(e => e.getBoundingClientRect());
+            const texts = shown("text").filter(e => e.textContent).map(e => e.getBoundingClientRect());
             const across = (a, b) => a.left < b.right - 1 && b.left < a.right - 1;
             const meet = a => b => across(a, b) && a.top < b.bottom - 2 && b.top < a.bottom - 2;
-            if (values.some((a, k) => [...values.slice(k + 1), ...names].some(meet(a)))) wrong.push(["overlap", n]);
-            if (values.length !== shown(".force:has(.head)").length) wrong.push(["without a value", n]);
+            if (texts.some((a, k) => texts.slice(k + 1).some(meet(a)))) wrong.push(["overlap", n]);
+            if (texts.some(a => a.left < frame.left - 1 || a.right > frame.right + 1)) wrong.push(["cut off", n]);
+            if (shown(".value").length !== shown(".force:has(.head)").length) wrong.push(["without a value", n]);
           }
           return wrong;
         }"""
     )
-    assert wrong == []
+    return wrong
+
+
+def test_every_arrow_has_its_value_and_no_text_lies_on_another(report: "Page") -> None:
+    assert labelled_wrongly(report) == []
+
+
+@pytest.mark.parametrize("width", [390, 1400])
+def test_many_forces_and_long_names_find_room(width: int, browser: "Browser", tmp_path: Path) -> None:
+    """Of seventeen links; the text below the picture counts the forces that do not, which are the smaller ones."""
+    file = tmp_path / "many.toml"
+    file.write_text(re.sub(r"\bT(\d+)", r"Middle_of_rocker_\1", chain(8, "many")))
+    place = files.write(studied(scenes.load(file), ["analytic"]), tmp_path)
+    with silent(browser, place / "report.html", viewport={"width": width, "height": 900}) as page:
+        page.wait_for_selector("#linkage .player:not([hidden])")
+        assert labelled_wrongly(page) == []
+        values = page.locator("#linkage svg .value:visible").count()
+        left = re.search(r"want of room: (\d+) smaller", page.inner_text(".now"))
+        assert values > 5
+        assert left is not None or width > 1000
 
 
 def test_picture_and_plot_are_in_view_together(report: "Page") -> None:

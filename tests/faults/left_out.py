@@ -41,7 +41,7 @@ def left_out(clean: Clean) -> Iterator[Fault]:
         yield Fault("I alpha", "I alpha left out everywhere", 1, Kind.inertia, "all", lambda: swung)
     rows, presses = np.arange(clean.sampling.count), scene.presses.values()
     for load in scene.loads:
-        if not (isinstance(load, Force | PressForce | TableForce) or load.kind == "force tables"):
+        if isinstance(load, Moment) or (isinstance(load, GuideForce) and load.kind != "force tables"):
             continue
         acting = [acts[0] for one, acts in zip(presses, clean.reference.acts(clean.true), strict=True) if one is load]
         own = elements.force(MotionVectors(replace(scene, loads=(load,)), clean.true, acting), load)

@@ -138,6 +138,13 @@ class Drawing:
         return float(np.clip(along.max() - along.min() / 2, 0.0, max(along.min(), 0.0)))
 
 
+def foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
+    """The nearest place on a line from start to end, to each of some places."""
+    way = end - start
+    share = np.clip(((places - start) * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
+    return np.asarray(start + share * way)
+
+
 def _scale(peak: float, drawings: Sequence[Drawing]) -> tuple[float, str]:
     """How long an arrow is, m a newton, and for which round force: `100 kN = 38 mm`; nothing without a force."""
     if not peak > 0:

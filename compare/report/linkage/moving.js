@@ -84,51 +84,33 @@ const arrows = forces.map((group, k) => {
   return { ...head.arrows[k], group, text: made("text", text, `sign value${head.arrows[k].load ? " load" : ""}`) };
 });
 
-// A value stands at its arrow's tip, or near it where that is taken: by a name, a pin or the value of another arrow.
-const HIGH = 15, LETTER = 7.3, BOLD = 9; // px, of a line of text; wide, of a letter of a value, and of a name
-const GAPS = [6, 18, 32, 48, 66, 90], TURNS = [0, 40, -40, 80, -80, 120, -120, 160, -160].map(turn => turn / degrees);
-const clear = (a, b) => Math.abs(a.x - b.x) >= (a.wide + b.wide) / 2 || Math.abs(a.y - b.y) >= (a.high + b.high) / 2;
-const pins = [...svg.querySelectorAll("[data-point]:has(> .name)")].map(group => {
-  const name = group.querySelector(".name"), wide = name.textContent.length * BOLD;
-  const aside = { start: wide / 2, end: -wide / 2, middle: 0 }[name.getAttribute("text-anchor")];
-  const at = [Number(name.getAttribute("x")) + aside, Number(name.getAttribute("y")) - 5];
-  return { point: group.dataset.point, at, wide };
-});
-const taken = (n, px) => pins.flatMap(({ point, at: [dx, dy], wide }) => {
-  const [x, y] = at(point, n);
-  return [{ x: x + dx * px, y: y + dy * px, wide: wide * px, high: HIGH * px }, { x, y, wide: 12 * px, high: 12 * px }];
-});
-const freePlace = ([x, y], [u, v], letters, others, px) => {
-  const { width, height } = svg.viewBox.baseVal, wide = letters * LETTER * px, high = HIGH * px;
-  const places = GAPS.flatMap(gap => TURNS.map(turn => {
-    const [p, q] = turned([u, v], turn);
-    return { x: x + p * (gap * px + Math.abs(p) * wide / 2), y: y + q * (gap * px + Math.abs(q) * high / 2), wide, high };
-  }));
-  const inside = box => Math.abs(box.x - width / 2) <= (width - wide) / 2 && Math.abs(box.y - height / 2) <= (height - high) / 2;
-  return places.find(box => inside(box) && others.every(other => clear(box, other)));
-};
+{% include "labels.js" %}
 
+let crowded = 0; // forces that have no room for their values
 const pull = (n, engine) => {
-  const px = Number(svg.style.getPropertyValue("--px")), others = taken(n, px);
-  for (const arrow of arrows) {
-    const [fx, fy] = vector(arrow, n, +engine), size = Math.hypot(fx, fy);
+  const px = Number(svg.style.getPropertyValue("--px")), others = named(n, px);
+  crowded = 0;
+  const sized = arrows.map(arrow => ({ ...arrow, force: vector(arrow, n, +engine) })); // the largest first
+  sized.forEach(arrow => (arrow.size = Math.hypot(...arrow.force)));
+  for (const arrow of sized.sort((a, b) => b.size - a.size)) {
+    const { size, force: [fx, fy] } = arrow;
     const length = size * head.perNewton * head.perMetre, known = !(isEdited && arrow.load); // loads are those of the run
     const shown = engine !== "" && known && length > 2 * px;
-    arrow.group.style.display = shown ? "" : "none";
-    arrow.text.style.display = shown ? "" : "none";
+    arrow.group.style.display = arrow.text.style.display = "none";
     if (!shown) continue;
     const [u, v] = [fx / size, -fy / size], [, shaft, tip] = arrow.group.children, [cx, cy] = at(arrow.point, n);
     const aside = arrow.moment ? (head.larger * head.perMetre * (value(arrow.moment, n, +engine) || 0)) / size : 0;
     const [x, y] = [cx - aside * v, cy + aside * u]; // on the line that touches the friction circle
+    const way = arrow.load ? -1 : 1, end = [x + way * length * u, y + way * length * v];
+    arrow.text.textContent = newtons(size);
+    const box = freePlace(end, [way * u, way * v], arrow.text.textContent.length * LETTER, others, px);
+    crowded += box ? 0 : 1;
+    if (!box) continue;
+    others.push(box);
+    arrow.group.style.display = arrow.text.style.display = "";
     arrow.group.setAttribute("transform", `translate(${x} ${y}) rotate(${degrees * Math.atan2(v, u)})`);
     shaft.setAttribute("transform", `scale(${length} 1)`);
     tip.setAttribute("transform", `translate(${arrow.load ? 0 : length} 0) scale(${Math.min(length / (11 * px), 1)})`);
-    arrow.text.textContent = newtons(size);
-    const way = arrow.load ? -1 : 1, end = [x + way * length * u, y + way * length * v];
-    const box = freePlace(end, [way * u, way * v], arrow.text.textContent.length, others, px);
-    arrow.text.style.display = box ? "" : "none";
-    if (!box) continue;
-    others.push(box);
     arrow.text.parentNode.setAttribute("transform", `translate(${box.x} ${box.y + 4 * px})`);
   }
 };
@@ -162,7 +144,8 @@ const words = (n, engine) => {
   const sizes = jointForces(n, engine), most = Math.max(...sizes);
   if (!most) return ""; // no solution here, or no forces
   const drive = effort ? ` Drive: ${written(drives(n, engine), drivesPlaces)} ${effort.unit}.` : "";
-  return `Largest joint force: ${newtons(most)}, ${joints[sizes.indexOf(most)].name}.${drive}`;
+  const left = crowded ? ` Not drawn for want of room: ${crowded} smaller.` : "";
+  return `Largest joint force: ${newtons(most)}, ${joints[sizes.indexOf(most)].name}.${drive}${left}`;
 };
 
 const [force, magnify, sketch, slider, output] =

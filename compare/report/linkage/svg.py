@@ -20,7 +20,7 @@ from scenes.scene import GROUND, Body, Moment
 from ...mechanics.bodies import first_point
 from ...mechanics.motion_vectors import Vectors
 from ..figures.figure import extremes
-from .drawing import PX, Arrow, Drawing
+from .drawing import PX, Arrow, Drawing, foot
 
 FRAMES = 72  # poses of a picture that moves by itself, at most
 PLAY = 5.0  # s that it takes
@@ -28,7 +28,7 @@ PATH = 300  # points of a path, at most
 GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
 HEAD = 11  # px, of an arrow
 ACTION = 70  # px to each side, of the line on which the force of a pin with friction acts
-HATCH, TO_NAME = 9, 18  # px between two lines of a hatching; from a point to its name
+HATCH, TO_NAME, LETTER = 9, 18, 9  # px between two lines of a hatching; from a point to its name; a letter of that
 DIRECTIONS = np.exp(1j * np.pi / 4 * np.array([-1, 1, 3, -3, 0, 2, 4, -2]))  # of names, the better ones first
 
 
@@ -247,13 +247,16 @@ def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> comp
     names = at[point] + 1.2 * TO_NAME * PX * DIRECTIONS[:, np.newaxis]
     gaps = [np.abs(names - other) for name, other in at.items() if name != point]
     for outline in around:
-        gaps += [np.abs(names - _foot(names, at[start], at[end])) for start, end in pairwise(outline)]
+        gaps += [np.abs(names - foot(names, at[start], at[end])) for start, end in pairwise(outline)]
     for force in drawing.arrows:
         way = (-1 if force.load else 1) * np.nan_to_num(drawing.drawn(force)[rows])
-        gaps.append(np.abs(names - _foot(names, at[force.point], at[force.point] + way)))
+        gaps.append(np.abs(names - foot(names, at[force.point], at[force.point] + way)))
     if point in drawing.scene.ground:
         gaps.append(np.abs(names - at[point] - 15j * PX))
     near = np.minimum(np.min(gaps, axis=0), TO_NAME * PX) if gaps else np.ones((len(DIRECTIONS), 1))
+    side, wide = np.round(DIRECTIONS.real)[:, np.newaxis], LETTER * PX * len(point)
+    left = names.real + (side - 1) / 2 * wide
+    near = np.where((left >= 0) & (left + wide <= drawing.size[0]), near, 0.0)  # elsewhere the name is cut off
     return complex(DIRECTIONS[near.mean(axis=1).round(3).argmax()])
 
 
@@ -278,19 +281,13 @@ def _guide(root: Element, ends: Vectors, point: str) -> None:
 def _slot(group: Element, ends: Vectors, outline: Vectors) -> None:
     """Draw the slot of a carrier, longer than the way by a block at each end, and joined to bars that pass it by."""
     along = np.linspace(ends[0], ends[1], 9)
-    bars = [_foot(along, np.array(p), np.array(q)) for p, q in pairwise([*outline[:1], *outline])]
+    bars = [foot(along, np.array(p), np.array(q)) for p, q in pairwise([*outline[:1], *outline])]
     bar, place = divmod(int(np.argmin(np.abs(np.array(bars) - along))), len(along))
     if abs(bars[bar][place] - along[place]) > 2 * SLOT * PX:
         line(group, "bar", np.array([bars[bar][place], along[place]]))
     inner, length = _along(group, ends)
     start, end = -1.4 * BLOCK * PX, length + 1.4 * BLOCK * PX
     _path(inner, "across slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
-
-
-def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
-    way = end - start
-    share = np.clip(((places - start) * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
-    return np.asarray(start + share * way)
 
 
 def line(parent: Element, kind: str, corners: Vectors) -> None:

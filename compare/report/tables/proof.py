@@ -66,7 +66,8 @@ def sentences(study: Judgement) -> Iterator[str]:
     else:
         proofs = ["it assembles"]
         forces = [row for row in proof.rows if row.extreme == "most" and row.channel.endswith(".force")]
-        largest = max((row for row in forces if row.channel in magnitudes(scene)), key=lambda row: row.high, default=None)
+        forces = [row for row in forces if row.channel in magnitudes(scene)]
+        largest = max(forces, key=lambda row: row.high, default=None)
         if largest is not None and (most := next(_bounds(study, [largest]))) != UNKNOWN:
             joint, where = largest.channel.removesuffix(".force"), place(scene, largest[4:])
             proofs.append(f"no pin carries more than {most} ({joint} {where})")

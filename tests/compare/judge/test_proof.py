@@ -115,8 +115,10 @@ def test_a_bound_far_above_what_is_attained_is_not_known(most: float) -> None:
     whole = " ".join(sentences(result))
     assert "no pin carries more than" in whole
     assert "no transmission angle is below" in whole
-    wide = {("A.force", "most"): {"high": most}, (TRANSMISSION, "least"): {"low": -3.2}}
-    result.proof = replace(result.proof, rows=[row._replace(**wide.get(row[:2], {})) for row in result.proof.rows])
+    known = {row[:2]: row for row in result.proof.rows}
+    force, angle = ("A.force", "most"), (TRANSMISSION, "least")
+    known |= {force: known[force]._replace(high=most), angle: known[angle]._replace(low=-3.2)}
+    result.proof = replace(result.proof, rows=[*known.values()])
     (sentence,) = sentences(result)
     assert sentence == "Proven over the whole turn: it assembles."
     (row,) = (row for row in bounds(result) if row["channel"] == "A.force")

@@ -84,7 +84,7 @@ def test_what_gives_one_component_is_drawn_where_that_is_enough(result: Study) -
 
 @pytest.mark.parametrize(
     ("scale", "factor", "unit"),
-    [(0.18, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-15, 1e12, "pN"), (9e6, 1e-3, "kN"), (2e7, 1e-6, "MN")],
+    [(0.2, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-15, 1e12, "pN"), (9e6, 1e-3, "kN"), (2e7, 1e-6, "MN")],
 )
 def test_prefixes(scale: float, factor: float, unit: str) -> None:
     size, named = prefixed(scale, "N")

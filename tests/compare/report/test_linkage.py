@@ -2,11 +2,13 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 from xml.etree.ElementTree import Element, fromstring, tostring
 
 import numpy as np
 import pytest
 
+import scenes
 from compare.mechanics.reference import uncertified
 from compare.report.linkage.drawing import PX, Drawing
 from compare.report.linkage.svg import FRAMES, by_itself, picture
@@ -92,6 +94,24 @@ def test_a_slot_is_drawn_on_its_carrier(references: References) -> None:
     assert 0 < (along.conjugate() * block).real < abs(end - start)
     turned = along.conjugate() * np.exp(-1j * motion["rocker.angle"][0])
     assert np.angle(turned) == pytest.approx(np.arctan2(0.1, 2), abs=1e-4)
+
+
+def test_a_long_name_is_not_cut_off(tmp_path: Path) -> None:
+    """Of a point at the left of the picture, and of one at its right."""
+    file = tmp_path / "named.toml"
+    long = {"O": "Foot_of_the_crank_at_the_left", "C": "Foot_of_the_rocker_at_the_right"}
+    file.write_text(re.sub(r"\b[OC]\b", lambda name: long[name[0]], scene_files.text("four_bar")))
+    reference = uncertified(scenes.load(file))
+    drawing, root = drawn(reference.scene, reference.cycle)
+    for name in long.values():
+        (group,) = root.iterfind(f".//{SVG}g[@data-point='{name}'][{SVG}text]")
+        text = group.find(f"{SVG}text")
+        assert text is not None
+        left = {"start": 0.0, "middle": -0.5, "end": -1.0}[str(text.get("text-anchor"))]
+        wide = 8 * PX * len(name)
+        start = numbers(group.get("transform"))[0] + PX * float(str(text.get("x"))) + left * wide
+        assert start >= 0
+        assert start + wide <= drawing.size[0]
 
 
 def test_the_sketch_is_where_the_file_has_it(references: References) -> None:
