@@ -1,11 +1,13 @@
 """An earlier run beside a later one in its page: the numbers before, and the curves and the picture as a ghost."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import analytic
@@ -168,6 +170,23 @@ def test_the_ghost_in_a_browser(width: int, browser: "Browser", both: tuple[Path
         assert abs(rocker[1] - rocker[0]) / scale == pytest.approx(0.25, rel=1e-3)
         assert (rocker[0] - crank[0]) / scale == pytest.approx(0.2, abs=1e-3)
         assert ((rocker[1] - crank[0]) / scale).conjugate() == pytest.approx(b, abs=1e-3)
+
+
+def test_a_polar_diagram_has_the_run_before_as_it_was(browser: "Browser", both: tuple[Path, Path]) -> None:
+    """Beside the engines, whose differences are magnified as without it; in a body's frame it is not drawn."""
+    with silent(browser, both[1] / "report.html", viewport={"width": 1400, "height": 900}) as page:
+        page.locator("#polar").scroll_into_view_if_needed()
+        page.wait_for_selector("#polar .curve[d]")
+        magnified = re.search(r"engines are ([\d,]+) times as large", page.inner_text("#polar .caption"))
+        assert magnified is not None
+        assert float(magnified[1].replace(",", "")) >= 1000
+        curves = page.locator("#polar .curve").evaluate_all("all => all.map(p => p.getAttribute('d'))")
+        now, then = (max(abs(float(tip.split()[0])) for tip in curves[n][1:].split("L")) for n in (0, -1))
+        old, new = (pd.read_csv(folder / "motion.analytic.csv")["O.fx [N]"].abs().max() for folder in both)
+        assert then / now == pytest.approx(old / new, rel=1e-2)  # of other samples
+        page.select_option("#polar [name=frame]", "crank")
+        curves = page.locator("#polar .curve").evaluate_all("all => all.map(p => p.getAttribute('d'))")
+        assert [bool(curve) for curve in curves] == [True, True, False]
 
 
 def test_a_report_alone_has_no_ghost(press_study: Study) -> None:

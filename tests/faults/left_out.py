@@ -14,7 +14,7 @@ from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion
 from scenes.model.motion import force_channels
-from scenes.scene import GROUND, Force, PressForce, TableForce
+from scenes.scene import GROUND, Force, GuideForce, Moment
 
 from .fault import Clean, Fault
 

@@ -23,13 +23,15 @@ if (diagram) {
   const redraw = () => {
     const { components, factor, unit, name, bodies } = chosenOne(), sizes = rows.map(length), most = peak(sizes);
     const off = (n, engine) => Math.hypot(...components.map(channel => difference(channel, n, engine)));
-    const offs = engines.slice(1).flatMap((_, e) => rows.map(n => off(n, e + 1)));
-    const times = 10 ** Math.max(0, Math.floor(Math.log10((LARGEST * most) / peak(offs))));
+    const offs = engines.flatMap((_, e) => (isBefore(e) ? [] : rows.map(n => off(n, e))));
+    const times = peak(offs) ? 10 ** Math.max(0, Math.floor(Math.log10((LARGEST * most) / peak(offs)))) : 1;
     scale = most ? RADIUS / most : 0;
-    const shown = Number.isFinite(times) ? times : 1;
-    curves.forEach((path, e) => path.setAttribute("d", polyline(rows.map(n => end(n, e, shown)))));
+    curves.forEach((path, e) => { // an earlier run is there as it was; how its bodies are turned is not in the page
+      const known = isBefore(e) && frame.value ? [] : rows;
+      path.setAttribute("d", known.length ? polyline(known.map(n => end(n, e, isBefore(e) ? 1 : times))) : "");
+    });
     const acts = bodies.length ? `Force of ${bodies[0]} on ${bodies[1]}` : name.replace(/^./, letter => letter.toUpperCase());
-    const apart = peak(offs) > 0 ? ` Differences between the engines are ${times.toLocaleString("en")} times as large.` : "";
+    const apart = times > 1 ? ` Differences between the engines are ${times.toLocaleString("en")} times as large.` : "";
     whole = `${acts}. The outer circle is its peak, ${tidy(factor * most, 4)} ${unit} at ${position(sizes.indexOf(most))}.${apart}`;
     follow();
   };
