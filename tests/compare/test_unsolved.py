@@ -75,7 +75,16 @@ def test_without_a_pose_there_is_the_sketch(name: str, changes: scene_files.Chan
     svg = ElementTree.fromstring(sketched(scene, "B"))
     assert {text.text for text in svg.iterfind(".//{*}text")} == {*scene.drawn}
     assert len(svg.findall(MARK)) == 1
-    assert svg.find(".//{*}path[@class='sketch']") is not None
+    bars = [path.get("d", "").count("L") for path in svg.iterfind(".//{*}path[@class='sketch']")]
+    assert min(bars) == 1, "a bar that is drawn to and fro is not dashed"
+
+
+@pytest.mark.usefixtures("few_settings")
+def test_the_sketch_has_its_ring_in_words(tmp_path: Path) -> None:
+    file = scene_files.write(tmp_path, "four_bar", LOOSE)
+    assert main([str(file), "--engines", "analytic", "--out", str(tmp_path)]) == 2
+    page = (tmp_path / "four_bar" / "report.html").read_text(encoding="utf-8")
+    assert "this is the sketch alone; ringed: the joint that does not close, B." in page
 
 
 def test_the_joint_is_marked_where_it_is_drawn() -> None:

@@ -50,7 +50,7 @@ def sketched(scene: Scene, joint: str = "") -> str:
     root = empty(f"{scene.title}: the sketch", (size.real, size.imag))
     for body in scene.bodies.values():
         corners = [at[point] for point in body.points if point in at]
-        line(root, "sketch", np.array([*corners, *corners[:1]]))
+        line(root, "sketch", np.array(corners + (corners[:1] if len(corners) > 2 else [])))  # to and fro is not dashed
     for point, place in at.items():
         group = SubElement(root, "g", {"transform": f"translate({place.real:.1f} {place.imag:.1f})"})
         SubElement(group, "circle", {"class": "sign pin", "r": "5"})

@@ -80,6 +80,7 @@ def unsolved_page(scene: Scene, unsolved: UnsolvedError, way: MotionRange | None
         unsolved=unsolved,
         agreement=Agreement(Word.not_solved, str(unsolved)),
         way=way,
+        joint=joint,
         goes=[scene.between(ends) for ends in way.ways] if way else [],
         picture=stopped(scene, way) if way else sketched(scene, joint),
         where=scene.where(float(way.motion[scene.drive_channel][0])) if way else "",
