@@ -154,7 +154,7 @@ class Chart {
       if (this.near && !this.dragged) place.dispatchEvent(new CustomEvent("chosen", { detail: this.near }));
     };
     for (const [panel, ...size] of sized) {
-      const own = element("div", {}, ...(panel.note ? [element("h4", { textContent: panel.note.text })] : []));
+      const own = element("div", {}, ...(panel.note?.text ? [element("p", { className: "title", textContent: panel.note.text })] : []));
       host.append(own);
       panel.u?.destroy();
       panel.u = this.drawn([panel, ...size], devicePixelRatio, uPlot(), own);

@@ -197,7 +197,7 @@ class Plot {
       table.insertRow().append(...own);
       return own;
     };
-    row(["", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
+    row(["engine", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
     const places = curves.map(curve => decimals(peak(rows.map(n => plotted(curve, n))), 6));
     engines.forEach((engine, e) => {
       const own = row([engine, ...curves.map(() => ""), ""]);
