@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import pytest
@@ -122,3 +122,19 @@ def test_the_first_member_is_there_without_a_script(browser: "Browser", folder: 
     assert page.locator("#chosen h3").inner_text() == "O-P3 = 270"
     assert not page.locator(".player").is_visible()
     page.context.close()
+
+
+def test_no_motion_is_offered_where_less_is_asked_for(browser: "Browser", folder: Path) -> None:
+    with silent(browser, folder / "family.html", reduced_motion="reduce") as page:
+        page.wait_for_selector("#member")
+        assert page.locator("#moving").is_hidden()
+        assert page.evaluate(PLACES) == page.evaluate(PLACES)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessible_by_axe(opened: "Page", scheme: Any) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed")
+    opened.emulate_media(color_scheme=scheme)
+    violations = axe.Axe().run(opened, None, {"resultTypes": ["violations"]}).response["violations"]
+    assert [(rule["id"], [node["target"] for node in rule["nodes"]][:3]) for rule in violations] == []
+    opened.emulate_media(color_scheme="light")

@@ -1,6 +1,7 @@
 """The moving linkage in a browser: one position of the drive for the picture and all plots, and the values there."""
 
 import re
+from base64 import b64encode
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,20 @@ ENGINES = ("analytic", "exudyn", "pymunk")
 ROW = 41  # of 73: 205 degrees
 NUMBER = r"-?\d[\d.]*(?:e-?\d+)?"
 TO_PX = 1.5  # px: half of a line's width, and what a browser rounds
+PIXELS = """async ([data, kind]) => { // of a picture, or of a film after a second: its corner, how many are of a force
+  const film = kind === "film", shown = document.createElement(film ? "video" : "img");
+  shown.muted = true;
+  const shows = new Promise(done => (shown[film ? "onloadeddata" : "onload"] = done));
+  shown.src = `data:${film ? "video/webm" : "image/svg+xml"};base64,${data}`;
+  await shows;
+  if (film) await Promise.all([shown.play(), new Promise(done => setTimeout(done, 1000))]);
+  const sheet = Object.assign(document.createElement("canvas"), { width: 900, height: 900 }), pen = sheet.getContext("2d");
+  pen.drawImage(shown, 0, 0);
+  const all = pen.getImageData(0, 0, 900, 900).data;
+  let force = 0;
+  for (let k = 0; k < all.length; k += 4) force += all[k] > 140 && all[k + 1] < 80 && all[k + 2] < 120 && all[k + 3] > 200;
+  return { corner: [...all.slice(0, 4)], force };
+}"""
 TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -232,7 +247,11 @@ def test_the_picture_is_saved(report: "Page", tmp_path: Path, button: str, begin
     file = tmp_path / download.value.suggested_filename
     download.value.save_as(file)
     assert file.read_bytes().startswith(begins)
-    assert file.stat().st_size > 5000
+    pixels = report.evaluate(PIXELS, [b64encode(file.read_bytes()).decode(), button])
+    panel = report.evaluate("getComputedStyle(document.querySelector('.card')).backgroundColor")
+    colours = [int(part) for part in re.findall(r"\d+", panel)]
+    assert np.abs(np.array(pixels["corner"][:3]) - colours).max() <= 4, "the ground is that of the page"
+    assert 50 < pixels["force"] < 20_000, "arrows and values in their colour, of one pose"
 
 
 def labelled_wrongly(page: "Page") -> list[Any]:

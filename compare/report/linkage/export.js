@@ -1,10 +1,15 @@
 // The picture as a file: as it stands, or its motion as a film that the browser records.
+const COLOURS = ["ink", "soft", "panel", "ok", "warn", "bad", "force", "path"]; // of the page, which a file has not
 const WIDE = 900, STILLS = 125, EACH = 40; // px; pictures of a film, ms each
 const asFile = () => {
   const copy = svg.cloneNode(true), { width, height } = svg.viewBox.baseVal;
   copy.setAttribute("width", WIDE);
   copy.setAttribute("height", (WIDE * height) / width);
   copy.style.setProperty("--px", width / WIDE);
+  for (const name of COLOURS) copy.style.setProperty(`--${name}`, getComputedStyle(svg).getPropertyValue(`--${name}`));
+  const ground = made("rect", copy, "");
+  for (const [key, text] of Object.entries({ width, height, style: "fill: var(--panel); stroke: none" })) ground.setAttribute(key, text);
+  copy.prepend(ground);
   return new Blob([new XMLSerializer().serializeToString(copy)], { type: "image/svg+xml" });
 };
 const film = async () => {
