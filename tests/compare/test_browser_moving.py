@@ -35,11 +35,14 @@ PIXELS = """async ([data, kind]) => { // of a picture, or of a film after a seco
   shown.src = `data:${film ? "video/webm" : "image/svg+xml"};base64,${data}`;
   await shows;
   if (film) await Promise.all([shown.play(), new Promise(done => setTimeout(done, 1000))]);
-  const sheet = Object.assign(document.createElement("canvas"), { width: 900, height: 900 }), pen = sheet.getContext("2d");
+  const sheet = Object.assign(document.createElement("canvas"), { width: 900, height: 900 });
+  const pen = sheet.getContext("2d");
   pen.drawImage(shown, 0, 0);
   const all = pen.getImageData(0, 0, 900, 900).data;
   let force = 0;
-  for (let k = 0; k < all.length; k += 4) force += all[k] > 140 && all[k + 1] < 80 && all[k + 2] < 120 && all[k + 3] > 200;
+  for (let k = 0; k < all.length; k += 4) {
+    force += all[k] > 140 && all[k + 1] < 80 && all[k + 2] < 120 && all[k + 3] > 200;
+  }
   return { corner: [...all.slice(0, 4)], force };
 }"""
 TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
