@@ -93,7 +93,8 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     many = scene.with_numbers(numbers_of(scene, {path: values[rows] for path, values in changes.items()}))
     quantities = curves(many, scale, motion)
     found = numbers(scene, quantities, motion, exact=True)
-    placed = [n for n in found if n.row is not None or n.kind == STROKE]  # at one place, or between two; no sums
+    of_one = [n for n in found if n.unit != "W"]  # a power is a product of two
+    placed = [n for n in of_one if n.row is not None or n.kind == STROKE]  # at one place, or between two; no sums
     return SolvedMachines(status, reason, rows, motion, placed, met(scene, motion))
 
 
