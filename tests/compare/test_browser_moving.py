@@ -294,7 +294,7 @@ def test_many_forces_and_long_names_find_room(width: int, browser: "Browser", tm
         page.wait_for_selector("#linkage .player:not([hidden])")
         assert labelled_wrongly(page) == []
         values = page.locator("#linkage svg .value:visible").count()
-        left = re.search(r"want of room: (\d+) smaller", page.inner_text(".now"))
+        left = re.search(r"No room for (\d+) smaller ones", page.inner_text(".now"))
         assert values > 5
         assert left is not None or width > 1000
 

@@ -144,7 +144,7 @@ const words = (n, engine) => {
   const sizes = jointForces(n, engine), most = Math.max(...sizes);
   if (!most) return ""; // no solution here, or no forces
   const drive = effort ? ` Drive: ${written(drives(n, engine), drivesPlaces)} ${effort.unit}.` : "";
-  const left = crowded ? ` Not drawn for want of room: ${crowded} smaller.` : "";
+  const left = crowded ? ` No room for ${crowded} smaller ones.` : "";
   return `Largest joint force: ${newtons(most)}, ${joints[sizes.indexOf(most)].name}.${drive}${left}`;
 };
 
