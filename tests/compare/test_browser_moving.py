@@ -183,6 +183,24 @@ def test_dragging_over_a_plot(report: "Page") -> None:
     assert abs(cursors(report)[0]["at"] - box["x"] - 0.5 * box["width"]) < 0.6 * box["width"] / 72
 
 
+@pytest.mark.parametrize("width", [390, 1400])
+def test_hovering_over_a_plot_moves_the_linkage_and_all_cursors(report: "Page", width: int) -> None:
+    report.set_viewport_size({"width": width, "height": 900})
+    scrub(report, 0)
+    plot = report.locator(".plot:has(.cursor)").nth(2)
+    plot.evaluate("plot => plot.scrollIntoView({ block: 'end' })")
+    report.wait_for_function("document.querySelectorAll('.plot:has(.cursor)')[2].scrollWidth <= innerWidth")
+    report.wait_for_timeout(500)  # until it is drawn anew
+    box = plot.locator(".u-over").first.bounding_box()
+    assert box is not None
+    report.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + box["height"] / 2)
+    assert abs(int(report.locator("#linkage [type=range]").input_value()) - 36) <= 1
+    shares = [(cursor["at"] - cursor["start"]) / (cursor["end"] - cursor["start"]) for cursor in cursors(report)]
+    assert min(shares) > 0.4
+    report.mouse.move(1, 1)
+    report.set_viewport_size({"width": 1400, "height": 900})
+
+
 def test_a_place_of_a_number_is_shown(report: "Page") -> None:
     """An element with `data-at` goes to that pose and marks the joint; this one stands still."""
     scrub(report, ROW)

@@ -187,7 +187,7 @@ class Plot {
     this.plot.addEventListener("drawn", () => (this.edit(), this.show(now)));
     seen.observe(section);
     plots.set(section, this);
-    for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
+    for (const kind of ["pointerdown", "pointermove"]) this.plot.addEventListener(kind, this);
   }
 
   table({ section, panel, curves }) {
@@ -227,14 +227,14 @@ class Plot {
 
   handleEvent({ type, target, clientX, pointerId }) {
     if (!this.drawn || this.drawn.zooms) return;
-    if (type === "pointerleave") return this.show(now);
     const inside = target.closest(".u-over"); // buttons and legend have theirs
     if (type === "pointerdown" && inside) this.plot.setPointerCapture(pointerId);
     const held = this.plot.hasPointerCapture(pointerId);
     if (!held && !inside) return;
     const n = nearest(this.drawn.at(clientX));
-    if (held) scrub(n);
-    else this.show(n);
+    if (held) return scrub(n);
+    stop();
+    show(n);
   }
 }
 const seen = new IntersectionObserver(entries => {
