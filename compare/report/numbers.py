@@ -66,7 +66,11 @@ def written(value: float, unit: str, units: Units, *, digits: int = 0, sign: str
         return "0"
     factor, name = units.get(unit) or prefixed(abs(float(f"{value:.{DIGITS - 1}e}")), unit)
     shown, digits = factor * value, digits or (OF_LENGTHS if unit == "m" else DIGITS)
-    number = _significant(shown, digits, sign) if abs(shown) >= TINY else f"{shown:{sign}.{digits}g}".replace("-", "−")
+    if abs(shown) >= TINY:
+        number = _significant(shown, digits, sign)
+    else:
+        mantissa, power = f"{shown:{sign}.{digits - 1}e}".split("e")
+        number = f"{mantissa.replace('-', '−')}e{int(power)}"
     return f"{number}{' ' * (name not in ('', '°'))}{name}"
 
 

@@ -8,7 +8,7 @@ import pytest
 from compare.judge.peaks.peaks import peaks
 from compare.mechanics.axis import axis
 from compare.mechanics.reference import uncertified
-from compare.report.numbers import units
+from compare.report.numbers import units, written
 from compare.report.tables import first_screen
 from scenes import Sampling
 from tests import scene_files
@@ -43,12 +43,12 @@ def test_every_peak_reads_from_1_to_10000_in_one_unit(case: str) -> None:
         if number.unit in QUANTITIES and number.value != 0:
             texts.setdefault(number.unit, []).append(number.text)
     assert {"m", "N", "W"} <= texts.keys()
-    for unit, written in texts.items():
-        values, names = zip(*(re.fullmatch(r"([−\d.,]+) (\D.*)", text).groups() for text in written), strict=True)  # type: ignore[union-attr]
+    for unit, shown in texts.items():
+        values, names = zip(*(re.fullmatch(r"([−\d.,]+) (\D.*)", text).groups() for text in shown), strict=True)  # type: ignore[union-attr]
         assert len(set(names)) == 1, (unit, names)
         largest = max(abs(float(value.replace(",", "").replace("−", "-"))) for value in values)
-        assert 1 <= largest < 10_000, written
-        assert all(len(value) <= 10 for value in values), written
+        assert 1 <= largest < 10_000, shown
+        assert all(len(value) <= 10 for value in values), shown
 
 
 def test_what_is_zero_is_written_so() -> None:
@@ -59,6 +59,10 @@ def test_what_is_zero_is_written_so() -> None:
     assert moment.text == "0"
     assert "Work a turn" not in [number.name for number in whole]
     assert not any(np.isnan(number.value) for number in whole)
+
+
+def test_a_power_of_ten_is_written_as_elsewhere() -> None:
+    assert written(-9.19e-8, "m", {"m": (1e3, "mm")}, digits=3) == "−9.19e-5 mm"
 
 
 @pytest.mark.parametrize("name", ["four_bar", "double_toggle_clamp"])
