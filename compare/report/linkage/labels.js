@@ -16,7 +16,7 @@ const freePlace = ([x, y], [u, v], size, others, px) => {
 };
 const notes = [...svg.querySelectorAll(".scale")].map(({ textContent, y }) => [textContent.length * LETTER, y.baseVal[0].value]);
 const pins = [...svg.querySelectorAll("[data-point]:has(> .name)")].map(group => {
-  const name = group.querySelector(".name"), wide = name.textContent.length * BOLD;
+  const name = group.querySelector(".name"), wide = (name.textContent.length + 0.4) * BOLD; // one capital may be wider
   const aside = { start: wide / 2, end: -wide / 2, middle: 0 }[name.getAttribute("text-anchor")];
   const own = { x: name.getAttribute("x"), y: name.getAttribute("y"), "text-anchor": name.getAttribute("text-anchor") };
   return { point: group.dataset.point, name, own, wide, middle: [Number(own.x) + aside, own.y - 5] };
