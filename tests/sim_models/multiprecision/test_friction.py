@@ -138,7 +138,6 @@ def test_nothing_of_the_scene_s_own_formulas_is_used(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(PinFriction, "arm", property(lambda _: 1e3))
     for kind in (PinFriction, GuideFriction):
         monkeypatch.setattr(kind, "sense", lambda *_: 1e3)
-        monkeypatch.setattr(kind, "at_rest", lambda *_: True)
     motion = run(scene, SAMPLES)
     assert all(np.array_equal(motion[channel], expected[channel]) for channel in expected.samples)
 
