@@ -132,9 +132,12 @@ const refined = (number, of, best, levels) => { // the largest near a sample
 };
 const largest = (number, rows, of, levels) => { // SI, and the sample that is nearest
   const here = of(rows), sizes = rows[0].map((_, n) => here(n)), at = largestAt(sizes), most = sizes[at];
-  const drop = (n, k) => sizes[n] - (sizes[n + k] ?? sizes[n - k]); // to a neighbour; of a parabola's top an eighth is above
-  const isPeak = n => Math.min(drop(n, -1), drop(n, 1)) >= 0 && sizes[n] + (drop(n, -1) + drop(n, 1)) / 4 >= most;
-  const peaks = [...sizes.keys()].filter(isPeak).sort((a, b) => sizes[b] - sizes[a]); // both ends of a turn, where it is there
+  const peaks = []; // both ends of a turn, where it is there
+  for (let n = 0; n < sizes.length; n++) {
+    const before = sizes[n] - sizes[n ? n - 1 : 1], after = sizes[n] - sizes[n + 1 < sizes.length ? n + 1 : n - 1];
+    if (before >= 0 && after >= 0 && sizes[n] + (before + after) / 4 >= most) peaks.push(n); // an eighth is above, of a parabola
+  }
+  peaks.sort((a, b) => sizes[b] - sizes[a]);
   const found = peaks.slice(0, PEAKS).map(n => [refined(number, of, n, levels), n]);
   return found.reduce((best, one) => (one[0] > best[0] ? one : best), [most, at]);
 };
