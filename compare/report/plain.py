@@ -7,6 +7,8 @@ from enum import Enum
 from math import isfinite
 from typing import Any
 
+from scenes.fields import FileTable
+
 
 def json_text(value: Any) -> str:
     """A value as indented JSON."""
@@ -14,13 +16,15 @@ def json_text(value: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Numbers, texts, data classes, mappings, sequences and arrays, in each other, in JSON's own types."""
+    """Numbers, texts, data classes, tables of files, mappings, sequences, arrays, in each other, in JSON's types."""
     if isinstance(value, float):
         return float(value) if isfinite(value) else None
     if type(value) in (str, int, bool):  # nearly all that is left
         return value
     if is_dataclass(value):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, FileTable):
+        value = dict(value)
     if isinstance(value, Mapping):
         return {
             "-".join(sorted(key)) if isinstance(key, frozenset) else str(key): plain(part)

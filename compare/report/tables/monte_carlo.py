@@ -42,7 +42,7 @@ def summary(study: MonteCarlo) -> dict[str, object]:
     numbers = [s.name for s in study.spreads]
     return {
         **{"machines": study.count, "running": study.running, "seed": study.seed},
-        "variations": [variation.model_dump() for variation in study.scene.variations],
+        "variations": study.scene.variations,
         "numbers": [{**vars(s), "differs": differences(study, s)} for s in study.spreads],
         "enclosed": study.enclosed,
         "yield": dict(zip(("met", "low", "high"), study.met, strict=True)) if study.scene.limits else None,
