@@ -1,7 +1,7 @@
 """Numbers for a reader: quantities in the units of a page, shares in per cent, errors as short powers of ten."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from math import floor, isinf, isnan, log10, pi
+from math import floor, isfinite, isinf, isnan, log10, pi
 from typing import TypeAlias
 
 import numpy as np
@@ -60,7 +60,7 @@ def written(value: float, unit: str, units: Units, *, digits: int = 0, sign: str
 
     Digits are significant ones, 0 for as many as such a quantity mostly has; `+` is a sign for positive ones too.
     """
-    if isnan(value):
+    if not isfinite(value):
         return "–"
     if value == 0:
         return "0"

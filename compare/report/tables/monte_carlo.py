@@ -13,6 +13,7 @@ from ...measure.many.study import MonteCarlo, Spread
 from ..numbers import DIGITS, Units, capital, percent, units, written
 from . import TableRows
 from .family import names
+from .proof import UNKNOWN
 
 OFF = 0.05  # relative: a linear model's standard deviation that is off by more misleads
 FEW = 20  # machines that the JSON file has in full, picked by the seed
@@ -88,8 +89,10 @@ def enclosed(study: MonteCarlo) -> TableRows:
         if number.kind == AT_JOINTS["reaction"] and s.deviation > 0 and (row := study.enclosed.get(s.of)):
             drawn, made = study.values[s.largest, k] - s.nominal, row.high - s.nominal
             shown = {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
-            shown |= {"largest drawn": _amount(study, s, drawn, "+"), "no machine above": _amount(study, s, made, "+")}
-            yield shown | {"over the largest drawn": f"{made / drawn:.2f}"}
+            shown |= {"largest drawn": _amount(study, s, drawn, "+")}
+            known = made <= s.nominal  # a bound that is farther off than the force is large is none
+            shown |= {"no machine above": _amount(study, s, made, "+") if known else UNKNOWN}
+            yield shown | {"over the largest drawn": f"{made / drawn:.2f}" if known else "–"}
 
 
 def shares(study: MonteCarlo) -> TableRows:

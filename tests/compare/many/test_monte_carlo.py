@@ -156,3 +156,10 @@ def test_of_a_larger_group_too(tmp_path: Path) -> None:
     numbers = {number["name"]: number for number in summary(tmp_path / "out" / "class_iii")["numbers"]}
     for name in ("distance to a singular pose", "peak driving torque"):
         assert numbers[name]["unexplained"] <= 1e-4  # of the variance: 1 % of a deviation; the square of the tolerances
+
+
+def test_a_bound_that_is_not_known_is_said_to_be_none(tmp_path: Path) -> None:
+    """With friction, forces of all machines together may have no bound."""
+    name = "toggle_press_friction"
+    assert run(name, tmp_path, "--monte-carlo", "3", "--engines", "analytic") == 0
+    assert "not known" in (tmp_path / name / "monte_carlo.html").read_text(encoding="utf-8")
