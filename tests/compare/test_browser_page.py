@@ -21,7 +21,7 @@ LONGER, THROTTLE = (
     3.0,
     4,
 )  # a figure's longest task over that of the page itself: 1.7 measured, 77 by plotly's script
-LOADS, ROUNDS = 9, 5  # the median of some loads; again, since other programs run
+LOADS, ROUNDS = 5, 6  # the median of some loads; again, since other programs run
 
 TASKS = """window.tasks = [];
 const noted = list => list.getEntries().forEach(({ startTime, duration }) => tasks.push([startTime, duration]));
