@@ -61,7 +61,7 @@ def silent(browser: "Browser", path: Path, **context: Any) -> "Iterator[Page]":
     page.goto(path.as_uri())
     yield page
     page.close()
-    assert heard == [path.as_uri()]
+    assert heard == [path.as_uri()], heard
 
 
 def pin(page: "Page", point: str) -> complex:

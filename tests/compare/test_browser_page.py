@@ -143,6 +143,12 @@ def test_paper_has_every_column(report: "Page") -> None:
     report.set_viewport_size({"width": 1400, "height": 900})
 
 
+def test_nothing_is_hidden_again_after_printing(report: "Page") -> None:
+    for media in ("print", "screen"):
+        report.emulate_media(media=media)
+        assert report.evaluate("document.querySelector('.desk').getAnimations().length") == 0, media
+
+
 @pytest.mark.slow
 def test_first_paint_takes_about_two_empty_pages(browser: "Browser", press_report: Path, tmp_path: Path) -> None:
     empty = tmp_path / "empty.html"

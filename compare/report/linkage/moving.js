@@ -8,6 +8,8 @@ const parted = bytes => {
     for (let n = 0; n < size; n++) words[4 * n + byte] = bytes[start + byte * size + n];
   return [JSON.parse(new TextDecoder().decode(bytes.subarray(0, start))), words.buffer];
 };
+for (const { finished } of root.parentElement.getAnimations()) await finished; // the verdict comes first
+root.parentElement.style.animation = "none"; // and not again after printing
 await new Promise(painted => requestAnimationFrame(() => setTimeout(painted))); // the page comes first
 const [head, buffer] = parted(new Uint8Array(await inflated("motion").arrayBuffer()));
 const { count, channels, panels, engines, axis, effort } = head;
