@@ -152,7 +152,7 @@ def test_of_a_larger_group_too(tmp_path: Path) -> None:
     """Its distance to a singular pose has no exact derivatives: a linear model of differences holds each machine."""
     paths = "bodies.plate.lengths.B-C", "bodies.upper.lengths.C-E", "ground.points.F.0"
     file = scene_files.write(tmp_path, "class_iii", {"variations": [{"path": p, "plus_minus": 0.1} for p in paths]})
-    assert run(str(file), tmp_path / "out", "--monte-carlo", "12", "--engines", "analytic") == 0
+    assert run(str(file), tmp_path / "out", "--monte-carlo", "6", "--engines", "analytic") == 0
     numbers = {number["name"]: number for number in summary(tmp_path / "out" / "class_iii")["numbers"]}
     for name in ("distance to a singular pose", "peak driving torque"):
         assert numbers[name]["unexplained"] <= 1e-4  # of the variance: 1 % of a deviation; the square of the tolerances
