@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
@@ -78,3 +80,12 @@ def typed(page: "Page", path: str, value: float) -> None:
 def now(page: "Page", name: str) -> list[str]:
     """The cells of a row: as judged, now, change, where."""
     return page.locator("#bench .asked tr", has_text=name).locator("td").all_text_contents()
+
+
+def found_by_axe(page: "Page", scheme: Any) -> list[Any]:
+    """What axe-core finds on a page, light or dark: each rule, and where; the page is light again."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed")
+    page.emulate_media(color_scheme=scheme)
+    violations = axe.Axe().run(page, None, {"resultTypes": ["violations"]}).response["violations"]
+    page.emulate_media(color_scheme="light")
+    return [(rule["id"], [node["target"] for node in rule["nodes"]][:3]) for rule in violations]

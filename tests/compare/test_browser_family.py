@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from compare.run import main
-from tests.pages import draw_all, silent
+from tests.pages import draw_all, found_by_axe, silent
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -132,8 +132,4 @@ def test_no_motion_is_offered_where_less_is_asked_for(browser: "Browser", folder
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_accessible_by_axe(opened: "Page", scheme: Any) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed")
-    opened.emulate_media(color_scheme=scheme)
-    violations = axe.Axe().run(opened, None, {"resultTypes": ["violations"]}).response["violations"]
-    assert [(rule["id"], [node["target"] for node in rule["nodes"]][:3]) for rule in violations] == []
-    opened.emulate_media(color_scheme="light")
+    assert found_by_axe(opened, scheme) == []

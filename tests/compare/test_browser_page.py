@@ -9,6 +9,8 @@ from unicodedata import normalize
 
 import pytest
 
+from tests.pages import found_by_axe
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
@@ -104,11 +106,7 @@ def test_all_text_is_legible(report: "Page", scheme: Any) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_accessible_by_axe(report: "Page", scheme: Any) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed")
-    report.emulate_media(color_scheme=scheme)
-    violations = axe.Axe().run(report, None, {"resultTypes": ["violations"]}).response["violations"]
-    assert [(rule["id"], [node["target"] for node in rule["nodes"]][:3]) for rule in violations] == []
-    report.emulate_media(color_scheme="light")
+    assert found_by_axe(report, scheme) == []
 
 
 def test_every_figure_is_in_words(report: "Page") -> None:
