@@ -150,9 +150,9 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         raise InputError("arguments: --seed: expected it with --monte-carlo, whose draws it picks")
     if options.format != "plain" and not options.check:
         raise InputError("arguments: --format: expected it with --check, whose misses it annotates")
-    if options.workers or options.scheduler:
-        if not options.vary:
-            raise InputError("arguments: --workers, --scheduler: expected with --vary, since they take its members")
+    if (options.workers or options.scheduler) and not options.vary:
+        raise InputError("arguments: --workers, --scheduler: expected with --vary, since they take its members")
+    if options.scheduler:
         from .engines.processes.cluster import check_installed
 
         check_installed()

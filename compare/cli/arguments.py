@@ -57,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
     many = parser.add_mutually_exclusive_group().add_argument  # each has linkages of its own
     many("--vary", type=variation, action="append", default=[], metavar="PATH=FROM:TO:COUNT", help=about)
     where = parser.add_mutually_exclusive_group().add_argument
-    where("--workers", type=partial(_count, 1, 256), metavar="N", help="run the family by N processes, with Dask")
+    where("--workers", type=partial(_count, 1, 256), metavar="N", help="run the family by N processes")
     where("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
     about = "draw so many machines from the scene's [[variations]] instead, and report what the tolerances do"
     many("--monte-carlo", type=partial(_count, 2, MOST_MACHINES), metavar="N", help=about)

@@ -155,7 +155,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[.
     """Write one scene's family, and return whether a member misses a tolerance, or none runs."""
     from ..engines.processes.cluster import cluster
     from ..measure.many.family import Asked, Family
-    from ..measure.many.going_on import going_on, kept_members
+    from ..measure.many.going_on import by_processes, going_on, kept_members
     from ..report.tables.family import agreement, label, on_a_line
 
     members = grid(options.vary)
@@ -166,10 +166,10 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[.
 
     asked = Asked(scene.file, options.engines, request)
     kept = kept_members(options.out, scene, asked)
-    stopped, several = False, options.workers or options.scheduler
+    stopped, here = False, by_processes(options.workers) if options.workers else None
     try:
-        with cluster(options.workers, options.scheduler) if several else nullcontext() as client:
-            for member in going_on(kept, asked, members, client, progress):
+        with cluster(options.scheduler) if options.scheduler else nullcontext(here) as spread:
+            for member in going_on(kept, asked, members, spread, progress):
                 family.members.append(member)
                 print(f"{scene.name}  {on_a_line(family, member)}")
     except KeyboardInterrupt:

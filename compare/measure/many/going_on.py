@@ -1,26 +1,29 @@
 """The members of a family kept as they come, so that a run goes on from there; and run by many workers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from multiprocessing import current_process
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 from scenes import Scene, Status, load, shipped
 
 from ...engines import registry
 from ...engines.kept import Kept, decoded, encoded
-from ...engines.processes.inside import Ended
+from ...engines.processes.inside import Ended, Limits
+from ...engines.processes.isolation import isolated
 from ...engines.processes.stopping import Progress
 from ...engines.processes.workers import Lasting
 from ...mechanics.mechanics import Mechanics
 from .family import SHOWN, Asked, Member, MemberChanges, changed, members, solved_member
 
-if TYPE_CHECKING:
-    from dask.distributed import Client
+Task: TypeAlias = tuple[MemberChanges, Scene | Member]  # a member's changes, and its scene
+Spread: TypeAlias = Callable[..., Iterator[tuple[Task, Member | Ended]]]  # of a function, tasks, and `poll`
 
 ENGINES = Lasting()  # of a worker
+SECONDS, MEMORY = 3600.0, 2**40  # for a member, beside its engines, which have limits of their own: a hang ends
 
 
 def kept_members(folder: Path, scene: Scene, asked: Asked) -> Kept:
@@ -30,7 +33,7 @@ def kept_members(folder: Path, scene: Scene, asked: Asked) -> Kept:
 
 
 def going_on(
-    kept: Kept, asked: Asked, changes: Sequence[MemberChanges], client: "Client | None", progress: Progress
+    kept: Kept, asked: Asked, changes: Sequence[MemberChanges], spread: Spread | None, progress: Progress
 ) -> Iterator[Member]:
     """Yield the members that are kept, then the others as they come, which are kept.
 
@@ -38,7 +41,7 @@ def going_on(
         kept: the results of an earlier run that was stopped.
         asked: of every member.
         changes: one a member.
-        client: of the workers, who take the members; None for this process.
+        spread: has workers do tasks, as `by_processes` and `engines.processes.cluster.spread`; None for this process.
         progress: called with what is being done, again and again; it may raise.
     """
     left = {str(change): change for change in changes}
@@ -46,7 +49,7 @@ def going_on(
         if name in left and (member := _read(data, asked, left[name])):
             del left[name]
             yield member
-    run = members if client is None else partial(_by_workers, client)
+    run = members if spread is None else partial(_by_workers, spread)
     for member in run(asked, list(left.values()), progress):
         if member.status != Status.crashed.name:  # which may go well the next time
             kept.add(str(member.changes), _written(member))
@@ -77,18 +80,30 @@ def _read(data: Any, asked: Asked, change: MemberChanges) -> Member | None:
     return None
 
 
-def _by_workers(
-    client: "Client", asked: Asked, changes: Sequence[MemberChanges], progress: Progress
-) -> Iterator[Member]:
-    from ...engines.processes.cluster import spread
+def by_processes(count: int) -> Spread:
+    """What spreads tasks over so many processes of this computer."""
+    return partial(isolated, limits=Limits(SECONDS, MEMORY, count))
 
+
+def _by_workers(spread: Spread, asked: Asked, changes: Sequence[MemberChanges], progress: Progress) -> Iterator[Member]:
+    for name in (registry.REFERENCE, *asked.engines):  # whose solver and settings come back
+        if not registry.ENTRIES[name].missing:
+            registry.engine(name)
     tasks = [(change, changed(asked.file, change)) for change in changes]
-    solve = partial(_on_worker, asked)
-    for (change, _), member in spread(solve, tasks, client, lambda: progress("waiting for workers")):
-        yield Member(change, member.status.name, member.reason) if isinstance(member, Ended) else member
+    at_work = partial(spread, partial(_on_worker, asked), poll=lambda: progress("waiting for workers"))
+    lost = []
+    for task, member in at_work(tasks):
+        if isinstance(member, Ended):
+            lost.append(task)
+        else:
+            yield member
+    for task in lost:  # once more, by itself: whatever ended its worker may have come from outside
+        ((_, member),) = at_work([task])
+        yield Member(task[0], member.status.name, member.reason) if isinstance(member, Ended) else member
 
 
-def _on_worker(asked: Asked, task: tuple[MemberChanges, Scene | Member]) -> Member:
+def _on_worker(asked: Asked, task: Task) -> Member:
     """A member, by engines whose processes are there for the next one too."""
+    current_process().daemon = False  # it may have processes of its own, which end with it
     with ENGINES.runs((*asked.engines, registry.ORACLE)) as runs:
         return solved_member(asked, *task, runs, lambda _: None)

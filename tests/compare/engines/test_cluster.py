@@ -1,11 +1,11 @@
-"""Tasks spread over workers: every outcome comes back, a stop begins no more, and engines stay for the next task."""
+"""Tasks spread over a cluster: every outcome comes back, a stop begins no more; engines stay for the next task."""
 
+import os
 import socket
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from signal import SIGKILL
 from threading import Event, Thread
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -17,7 +17,11 @@ from compare.engines.processes.cluster import check_installed, spread
 from compare.engines.processes.inside import Ended
 from compare.engines.processes.stopping import Stopped, kept
 from compare.engines.processes.workers import Lasting
+from compare.measure.many.family import Asked
+from compare.measure.many.going_on import going_on, kept_members
+from compare.measure.many.grid import grid, variation
 from scenes import InputError, Sampling, Status, load
+from tests.comparisons import SLOW
 from tests.deaths import DEATHS, children, do, within
 
 if TYPE_CHECKING:
@@ -28,14 +32,26 @@ done: list[str] = []
 go_on = Event()
 
 
+@contextmanager
+def one_worker(*, processes: bool) -> Iterator["Client"]:
+    import dask
+    from dask.distributed import Client, LocalCluster
+
+    settings = {"distributed.scheduler.allowed-failures": 0}
+    options = {"dashboard_address": "127.0.0.1:0", "scheduler_kwargs": {"dashboard": False}, "memory_limit": 0}
+    with (
+        dask.config.set(settings),
+        LocalCluster(n_workers=1, threads_per_worker=1, processes=processes, protocol="tcp://", **options) as here,
+        Client(here, set_as_default=False) as known,
+    ):
+        yield known
+
+
 @pytest.fixture(scope="module")
 def client() -> Iterator["Client"]:
     """Yield a client of one worker in this process, a thread."""
-    from dask.distributed import Client, LocalCluster
-
-    options = {"dashboard_address": "127.0.0.1:0", "scheduler_kwargs": {"dashboard": False}, "memory_limit": 0}
-    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, **options) as here, Client(here) as known:
-        yield known
+    with one_worker(processes=False) as client:
+        yield client
 
 
 def wait(what: str) -> str:
@@ -46,7 +62,7 @@ def wait(what: str) -> str:
 
 
 def test_every_outcome_comes_back(client: "Client") -> None:
-    outcomes = dict(spread(do, ["a", *RAISED, "b"], client, lambda: None))
+    outcomes = dict(spread(client, do, ["a", *RAISED, "b"], lambda: None))
     assert (outcomes.pop("a"), outcomes.pop("b")) == ("A", "B")
     assert outcomes.keys() == {*RAISED}
     for name, ended in outcomes.items():
@@ -60,12 +76,12 @@ def test_a_stop_begins_no_more(client: "Client") -> None:
             raise Stopped
 
     answers: list[str] = []
-    for item, _ in kept(spread(wait, ["first", "running", *(f"never {n}" for n in range(5))], client, poll)):
+    for item, _ in kept(spread(client, wait, ["first", "running", *(f"never {n}" for n in range(5))], poll)):
         answers.append(item)
     assert within(5.0, lambda: len(client.cluster.scheduler.tasks) <= 2)  # a moment later the scheduler knows
     go_on.set()
     assert answers == ["first"]
-    assert dict(spread(do, ["a"], client, lambda: None)) == {"a": "A"}
+    assert dict(spread(client, do, ["a"], lambda: None)) == {"a": "A"}
     assert set(done) <= {"first", "running", "never 0"}, "a worker has one that waits at most"
 
 
@@ -73,7 +89,7 @@ def test_a_worker_of_another_version_is_refused(client: "Client", monkeypatch: p
     versions = iter(["here", "there"])
     monkeypatch.setattr(cluster, "version", lambda: next(versions))
     with pytest.raises(InputError, match=r"^workers: expected the same versions .* has others"):
-        list(spread(do, ["a"], client, lambda: None))
+        list(spread(client, do, ["a"], lambda: None))
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -110,7 +126,7 @@ def test_what_is_no_scheduler_is_named_in_time(what: str, monkeypatch: pytest.Mo
         Thread(target=answer, args=(server, REPLIES.get(what, b""), peers), daemon=True).start()
         began, address = monotonic(), f"tcp://127.0.0.1:{port}"
         line = f"^--scheduler {address}: expected a Dask scheduler there, and none answer"
-        with pytest.raises(InputError, match=line), cluster.cluster(0, address):
+        with pytest.raises(InputError, match=line), cluster.cluster(address):
             pytest.fail("it answers")
         assert monotonic() - began < 2 * 3.0 + 4.0  # an import of Dask, on a busy machine
     for peer in peers:
@@ -118,21 +134,29 @@ def test_what_is_no_scheduler_is_named_in_time(what: str, monkeypatch: pytest.Mo
     assert children() == []
 
 
-def test_a_scheduler_that_runs_elsewhere(tmp_path: Path) -> None:
-    code = (
-        "from dask.distributed import LocalCluster\n"
-        "if __name__ == '__main__':\n"
-        "    with LocalCluster(n_workers=1, processes=False, dashboard_address=None, protocol='tcp://') as here:\n"
-        "        print(here.scheduler_address, flush=True); input()\n"
-    )
-    command, pipe = [sys.executable, "-c", code], subprocess.PIPE
-    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, cwd=tmp_path, text=True) as other:
-        assert other.stdout is not None
-        address = other.stdout.readline().strip()
-        assert address.startswith("tcp://")
-        with cluster.cluster(0, address) as client:
-            assert dict(spread(str.upper, ["a"], client, lambda: None)) == {"a": "A"}
-        other.kill()
+def test_a_scheduler_takes_a_family(client: "Client", tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of which a member that cannot run is one, as without it."""
+    monkeypatch.setattr("compare.engines.processes.workers.IDLE", 0.01)
+    scene, changes = load("four_bar"), grid([variation("bodies.rocker.lengths.C-B=2:250:2")])
+    asked = Asked(scene.file, ["analytic"], Sampling(24))
+    with cluster.cluster(client.cluster.scheduler_address) as by_workers:
+        members = [*going_on(kept_members(tmp_path, scene, asked), asked, changes, by_workers, lambda _: None)]
+    assert {m.changes["bodies.rocker.lengths.C-B"]: m.status for m in members} == {2: "cannot_assemble", 250: "ok"}
+    assert within(5.0, lambda: children() == [])
+
+
+def kill(what: str) -> str:
+    if what == "kill":
+        os.kill(os.getpid(), SIGKILL)
+    return what.upper()
+
+
+@SLOW
+def test_a_task_that_kills_its_worker_is_an_outcome() -> None:
+    with one_worker(processes=True) as client:
+        for item, outcome in (("kill", cluster.KILLED), ("a", "A")):
+            assert dict(spread(client, kill, [item], lambda: None)) == {item: outcome}
+    assert within(5.0, lambda: children() == [])
 
 
 def test_engines_stay_for_the_next_task_and_end_after_the_last(monkeypatch: pytest.MonkeyPatch) -> None:

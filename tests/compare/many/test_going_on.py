@@ -10,24 +10,21 @@ from contextlib import nullcontext
 from pathlib import Path
 from signal import SIGINT, SIGKILL
 from subprocess import PIPE
-from time import monotonic
 from typing import Any
 
 import psutil
 import pytest
 
 from compare.engines.kept import decoded, encoded
-from compare.engines.processes.cluster import cluster, spread
-from compare.engines.processes.inside import Ended
 from compare.measure.many import family
 from compare.measure.many.family import Asked, Family, Member
-from compare.measure.many.going_on import going_on, kept_members
+from compare.measure.many.going_on import by_processes, going_on, kept_members
 from compare.measure.many.grid import grid, variation
 from compare.report.output.files import write_family
 from compare.run import main
-from scenes import Sampling, Status, load
+from scenes import Sampling, load
 from tests.comparisons import SLOW
-from tests.deaths import children, within
+from tests.deaths import children, doomed, within
 from tests.killed import of_session
 
 from .runs import CRANK_SLIDER
@@ -138,31 +135,45 @@ def test_data_of_nothing_are_refused(data: object) -> None:
         decoded(data)
 
 
-def kill(what: str) -> str:
-    if what == "kill":
+def dying(asked: Asked, task: tuple[Mapping[str, float], object]) -> Member:
+    """A member that may run; of speeds that end in 5 it takes its process along, of such below 20 the first time."""
+    speed = task[0]["drive.speed"]
+    tries = Path(asked.file) / f"{speed:g}"
+    if speed % 10 == 5 and not (speed < 20 and tries.exists()):
+        tries.open("a", encoding="utf-8").write("x")
         os.kill(os.getpid(), SIGKILL)
-    return what.upper()
+    return Member(task[0], "ok", "")
 
 
-@SLOW
-def test_a_task_that_kills_its_workers_is_given_up_and_takes_no_other_with_it() -> None:
-    end = monotonic() + 120.0  # it takes 20 to 50 s
+def test_a_member_whose_process_dies_is_tried_once_more_by_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("compare.measure.many.going_on._on_worker", dying)
+    monkeypatch.setattr("compare.measure.many.going_on.changed", lambda *_: None)
+    asked, changes = Asked(tmp_path, ["analytic"], Sampling(24)), grid([variation("drive.speed=10:30:5")])
+    kept = kept_members(tmp_path, load(CRANK_SLIDER), asked)
+    members = [*going_on(kept, asked, changes, by_processes(2), lambda _: None)]
+    assert {member.changes["drive.speed"]: member.status for member in members} == {
+        **dict.fromkeys((10, 15, 20, 30), "ok"),
+        25: "crashed",
+    }
+    assert [member.reason for member in members if member.status == "crashed"] == [
+        "its process was killed, as where memory runs out, or fell silent"
+    ]
+    assert {name: (tmp_path / name).read_text("utf-8") for name in ("15", "25")} == {"15": "x", "25": "xx"}
+    assert children() == []
 
-    def poll() -> None:
-        assert monotonic() < end, "no worker takes the tasks"
 
-    with cluster(1) as client:
-        listening = [
-            connection.laddr.ip
-            for process in (psutil.Process(), *psutil.Process().children())
-            for connection in process.net_connections("tcp")
-            if connection.status == psutil.CONN_LISTEN
-        ]
-        ended = dict(spread(kill, ["kill", "a", "b"], client, poll))
-    assert len(listening) >= 4
-    assert {*listening} == {"127.0.0.1"}
-    assert ended == {"a": "A", "b": "B", "kill": Ended(Status.crashed, "every worker's process that took it died")}
-    assert within(5.0, lambda: children() == [])
+def test_an_engine_that_dies_is_a_row_of_its_member(tmp_path: Path) -> None:
+    """By workers too, whose engines have processes of their own."""
+    scene, changes = load(CRANK_SLIDER), grid([variation("drive.speed=10:20:2")])
+    asked = Asked(scene.file, ["analytic", "pymunk"], Sampling(24))
+    with doomed({"pymunk": "abort"}):
+        members = [*going_on(kept_members(tmp_path, scene, asked), asked, changes, by_processes(1), lambda _: None)]
+    for member in members:
+        assert member.judgement is not None
+        reasons = {engine: verdict for engine, verdict in member.judgement.verdicts.items() if verdict[0] != "ok"}
+        assert reasons == {"pymunk": ("crashed", "its process ended by SIGABRT")}
 
 
 @SLOW
@@ -211,6 +222,7 @@ def stopped(
 
 
 def kill_a_worker(run: subprocess.Popen[str]) -> None:
-    workers = [each for each in psutil.Process(run.pid).children() if "spawn_main" in " ".join(each.cmdline())]
-    assert len(workers) == 2
-    workers[0].kill()
+    """Kill one whose parent is its guard."""
+    guards = psutil.Process(run.pid).children()
+    assert len(guards) == 2
+    guards[0].children()[0].kill()
