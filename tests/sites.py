@@ -34,7 +34,7 @@ def known(site: Path, modules: Iterable[str]) -> Iterator[None]:
     """Have engines looked for in a folder too, and forget what was imported from there afterwards."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(site))
-        patch.setattr(registry, "ENTRIES", registry.Entries(registry.OWN))
+        patch.setattr(registry, "ENTRIES", registry.OWN | outside.entries(registry.OWN))
         yield
     for module in modules:
         sys.modules.pop(module, None)

@@ -166,7 +166,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[.
 
     asked = Asked(scene.file, options.engines, request)
     kept = kept_members(options.out, scene, asked)
-    stopped, here = False, by_processes(options.workers) if options.workers else None
+    here = by_processes(options.workers) if options.workers else None
     try:
         with cluster(options.scheduler) if options.scheduler else nullcontext(here) as spread:
             for member in going_on(kept, asked, members, spread, progress):
@@ -175,7 +175,6 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[.
     except KeyboardInterrupt:
         if not family.members:
             raise
-        stopped = True
     family.members.sort(key=lambda member: members.index(member.changes))
     progress("writing the report")
     page = files.write_family(family, options.out) / "family.html"
@@ -185,7 +184,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[.
     if kept.trouble:
         print(f"{scene.name}  {kept.trouble}")
     done = f"the {len(family.members)} of {len(members)} members that were done"
-    show_page("family", page, done if stopped else "", options)
+    show_page("family", page, "" if family.complete else done, options)
     if not options.check:
         return False
     able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}

@@ -1,8 +1,6 @@
 """The one place that knows the engines' names, and what they offer. A module is imported when its engine runs."""
 
-from collections import UserDict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
@@ -31,27 +29,6 @@ class Many(Protocol):
 SolveMany: TypeAlias = Callable[[Samples, Samples], Many]  # positions of the drive and instants, shape (m, n)
 
 
-class Entries(UserDict[str, Entry]):
-    """The engines by name; those of other distributions are looked for once none of the project's own has a name."""
-
-    @cached_property
-    def _all(self) -> dict[str, Entry]:
-        self.data |= outside.entries(self.data)
-        return self.data
-
-    def __missing__(self, name: str) -> Entry:
-        return self._all[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.data or name in self._all
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._all)
-
-    def __len__(self) -> int:
-        return len(self._all)
-
-
 REFERENCE = "analytic"
 _CORE = "vector equations: dyads in closed form, larger groups by Newton; the reference"
 _FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
@@ -72,7 +49,7 @@ OWN = {
     )
     for name, purpose, package, distribution, extra in _OWN
 }
-ENTRIES = Entries(OWN)
+ENTRIES: Mapping[str, Entry] = OWN | outside.entries(OWN)
 DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
 ORACLE = "multiprecision"
 TIERS = ("fast", "balanced", "exact")  # settings by name

@@ -3,11 +3,10 @@
 import logging
 import pickle
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import CancelledError
+from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
 from contextlib import contextmanager, suppress
 from functools import partial
 from importlib.util import find_spec
-from queue import Empty, SimpleQueue
 from socket import gethostname
 from typing import TYPE_CHECKING, Any
 
@@ -34,9 +33,8 @@ def check_installed() -> None:
 def cluster(scheduler: str) -> Iterator[Callable[..., Iterator[Any]]]:
     """Yield `spread` for the cluster with a scheduler, as `tcp://host:8786`, whose workers have this project installed.
 
-    InputError where none answers there, or none of its workers.
+    InputError where none answers there, or none of its workers; see `check_installed`.
     """
-    check_installed()
     logging.disable()  # what Dask reports of workers that come and go is no matter of the user's
     try:
         ((_, greeted),) = isolated(_greet, [scheduler], Limits(PATIENCE / WAIT), lambda: None)
@@ -79,31 +77,23 @@ def spread(
     """
     from dask.distributed import KilledWorker
 
-    done = SimpleQueue[Any]()
-    running: dict[Any, Item] = {}
+    executor = client.get_executor(pure=False)
     try:
-        for item in items:
-            future = client.submit(_done, version(), bytes(packed((function, item))), pure=False)
-            running[future] = item
-            future.add_done_callback(done.put)
+        running = {executor.submit(_done, version(), bytes(packed((function, item)))): item for item in items}
         while running:
             poll()
-            try:
-                future = done.get(timeout=POLL)
-            except Empty:
-                continue
-            item = running.pop(future)
-            try:
-                (outcome,) = pickle.loads(future.result())
-            except KilledWorker:
-                outcome = KILLED
-            except CancelledError:
-                raise InputError("--scheduler: it has gone; what is done is kept for another run") from None
-            future.release()  # as its __del__ does, where Python would drop Ctrl-C
-            yield item, outcome
+            for future in wait(running, POLL, FIRST_COMPLETED).done:
+                item = running.pop(future)
+                try:
+                    (outcome,) = pickle.loads(future.result())
+                except KilledWorker:
+                    outcome = KILLED
+                except CancelledError:
+                    raise InputError("--scheduler: it has gone; what is done is kept for another run") from None
+                yield item, outcome
     finally:
         with suppress(Exception):  # it has gone
-            client.cancel(list(running))
+            executor.shutdown(wait=False)
 
 
 def _done(wanted: str, task: bytes) -> bytes:

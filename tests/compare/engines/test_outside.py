@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import compare
-from compare.engines import TRACEBACK, outside, registry
+from compare.engines import TRACEBACK, registry
 from compare.engines.kept import version
 from compare.engines.registry import settings_of, tiers
 from compare.run import main
@@ -129,13 +129,6 @@ def test_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("../up", "a,b"):
         assert "its name is expected to be letters" in listed[name]
     assert not {"good", "dies"} & sys.modules.keys(), "imported"
-
-
-def test_none_is_looked_for_while_the_projects_own_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(outside, "entries", lambda _: pytest.fail("looked for"))
-    entries = registry.Entries(registry.OWN)
-    assert entries["exudyn"] is registry.OWN["exudyn"]
-    assert "pymunk" in entries
 
 
 def test_each_is_run_or_is_a_row(capfd: pytest.CaptureFixture[str]) -> None:
