@@ -46,7 +46,6 @@ class Entry:
     package: str  # what is imported
     distribution: str  # what is installed
     install: str
-    everything: bool = False  # whether it gives every channel of every scene that it can model
     outside: str = ""  # name and version of the distribution that offers it, where that is not this project
     trouble: str = ""  # what keeps it from running, whatever is installed
 

@@ -41,11 +41,10 @@ _OWN = (  # name, what it is, its package and distribution, and the extra of thi
     ("pinocchio", "joint coordinates, closed loops, recursive Newton-Euler", "pinocchio", "pin", "pinocchio"),
     ("multiprecision", _FLINT, "flint", "python-flint", "certify"),
 )
-OWN = {
+OWN = {  # each gives every channel of every scene that it can model
     name: Entry(
         *(purpose, f"{'' if name == REFERENCE else 'sim_models.'}{name}.engine", package, distribution),
         install="pip install " + (f"'linkage-crosscheck[{extra}]'" if extra else package),
-        everything=True,
     )
     for name, purpose, package, distribution, extra in _OWN
 }

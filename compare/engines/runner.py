@@ -176,10 +176,8 @@ def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
     motion = Motion({c: samples[c] for c in samples if c in asked}, {c: reasons[c] for c in reasons if c in asked})
     if outcome.status is not Status.ok:
         return replace(outcome, motion=_usable(motion, scene, request))
-    engine = outcome.engine  # or another program, whose result has the channels of its file
-    everything = engine in registry.ENTRIES and registry.ENTRIES[engine].everything
     try:
-        _check_complete(scene, request, motion, everything=everything)
+        _check_complete(scene, request, motion, everything=outcome.engine in registry.OWN)
     except Failure as failure:
         known = _usable(failure.motion, scene, request)
         return replace(outcome, status=failure.status, reason=failure.reason, found_by="checks", motion=known)

@@ -26,7 +26,7 @@ APART = 0.1  # of the scale: components that are nearer, as where no force acts,
 def canaries(judgement: Judgement) -> list[str]:
     """The faults that are let through, a line each; none where no run is ok or the reference is in doubt."""
     runs = [m.run for m in judgement.measurements if m.run.status is Status.ok and m.run.motion and not m.foreign]
-    ok = [run for run in runs if registry.ENTRIES[run.engine].everything]  # one of fewer channels lacks what is broken
+    ok = [run for run in runs if run.engine in registry.OWN]  # one of fewer channels lacks what is broken
     if not ok or judgement.reference.floor.doubt:
         return []
     copies = [noticed.Thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]

@@ -87,7 +87,7 @@ def test_what_an_engine_gives_nowhere_may_be_missing(
     rest = {channel: values for channel, values in motion.samples.items() if channel != "drive.torque"}
     without = Motion(rest, {"drive.torque": "it knows no motor"})
     assert measured(without).run.status is Status.ok
-    monkeypatch.setitem(registry.ENTRIES, "stub", replace(registry.ENTRIES["stub"], everything=True))
+    monkeypatch.setitem(registry.OWN, "stub", registry.ENTRIES["stub"])
     assert measured(without).run.status is Status.unsupported
 
 
