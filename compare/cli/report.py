@@ -50,8 +50,6 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
             if options.full:
                 result = _in_full(result, options, progress)
             stopped = stopping()
-    except Stopped:
-        raise KeyboardInterrupt from None
     except UnsolvedError as unsolved:
         known = files.unsolved_summary(scene, request, unsolved)
         folder = files.write_unsolved(scene, unsolved, options.out, known | _since(scene, options, known))

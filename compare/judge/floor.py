@@ -11,7 +11,6 @@ from dataclasses import replace
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
 from ..engines import registry
-from ..engines.processes.stopping import Stopped
 from ..engines.reasons import described
 from ..engines.runner import HERE, Run, Runs
 from ..mechanics import axis as units
@@ -37,7 +36,7 @@ def solvable(scene: Scene) -> Iterator[None]:
     """Have what keeps the reference from solving a scene raise UnsolvedError."""
     try:
         yield
-    except (Stopped, UnsolvedError):
+    except UnsolvedError:
         raise
     except InputError as error:
         raise UnsolvedError(str(error)) from None

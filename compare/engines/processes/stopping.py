@@ -13,7 +13,7 @@ Progress: TypeAlias = Callable[[str], None]  # called with what is being done, a
 T = TypeVar("T")
 
 
-class Stopped(Exception):  # noqa: N818 - it is a wish, not an error
+class Stopped(KeyboardInterrupt):
     """The user asked to stop. Raised where progress is reported, since there nothing is half done."""
 
 
