@@ -152,10 +152,6 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         raise InputError("arguments: --format: expected it with --check, whose misses it annotates")
     if (options.workers or options.scheduler) and not options.vary:
         raise InputError("arguments: --workers, --scheduler: expected with --vary, since they take its members")
-    if options.scheduler:
-        from .engines.processes.cluster import check_installed
-
-        check_installed()
 
 
 if __name__ == "__main__":

@@ -23,18 +23,14 @@ PATIENCE = 10  # s, for a scheduler and its workers to answer
 KILLED = Ended(Status.crashed, "every worker's process that took it died")
 
 
-def check_installed() -> None:
-    """Raise InputError where there is no Dask."""
-    if not find_spec("distributed"):
-        raise InputError("--scheduler: dask is not installed: pip install 'linkage-crosscheck[dask]'")
-
-
 @contextmanager
 def cluster(scheduler: str) -> Iterator[Callable[..., Iterator[Any]]]:
     """Yield `spread` for the cluster with a scheduler, as `tcp://host:8786`, whose workers have this project installed.
 
-    InputError where none answers there, or none of its workers; see `check_installed`.
+    InputError where there is no Dask, or none answers there, or none of its workers.
     """
+    if not find_spec("distributed"):
+        raise InputError("--scheduler: dask is not installed: pip install 'linkage-crosscheck[dask]'")
     logging.disable()  # what Dask reports of workers that come and go is no matter of the user's
     try:
         ((_, greeted),) = isolated(_greet, [scheduler], Limits(PATIENCE / WAIT), lambda: None)

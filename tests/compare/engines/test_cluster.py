@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING
 import pytest
 
 from compare.engines.processes import cluster
-from compare.engines.processes.cluster import check_installed, spread
+from compare.engines.processes.cluster import spread
 from compare.engines.processes.inside import Ended
 from compare.engines.processes.stopping import Stopped, kept
 from compare.engines.processes.workers import Lasting
 from compare.measure.many.family import Asked
 from compare.measure.many.going_on import going_on, kept_members
 from compare.measure.many.grid import grid, variation
+from compare.run import main
 from scenes import InputError, Sampling, Status, load
 from tests.comparisons import SLOW
 from tests.deaths import DEATHS, children, do, within
@@ -92,10 +93,18 @@ def test_a_worker_of_another_version_is_refused(client: "Client", monkeypatch: p
         list(spread(client, do, ["a"], lambda: None))
 
 
-def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_missing_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before anything is solved or written."""
     monkeypatch.setattr(cluster, "find_spec", lambda _: None)
-    with pytest.raises(InputError, match=r"dask is not installed: pip install 'linkage-crosscheck\[dask\]'"):
-        check_installed()
+    varied = ["four_bar", "--vary", "drive.speed=1:2:2", "--out", str(tmp_path / "out")]
+    assert main([*varied, "--scheduler", "tcp://127.0.0.1:1"]) == 2
+    assert capsys.readouterr() == (
+        "",
+        "--scheduler: dask is not installed: pip install 'linkage-crosscheck[dask]'\n",
+    )
+    assert not [*tmp_path.iterdir()]
 
 
 REPLIES = {
