@@ -69,6 +69,8 @@ class Runs:
 
     def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
         """Build, solve and read, each timed apart, at the default settings if None; `complete` looks at what comes."""
+        if settings is None and not registry.ENTRIES[name].missing:
+            settings = registry.engine(name).DEFAULT  # which has a part in the limits
         (ended,) = self._runs(name, scene, request, [settings], reads=True)
         return ended
 
@@ -105,7 +107,7 @@ def _attempts(name: str, scene: Scene, request: Request, settings: Several, *, r
         failed = Run(name, each, Status.crashed, "", "engine", registry.ENTRIES[name].version)
         try:
             engine = registry.imported(name)
-            failed = replace(failed, settings=each or engine.DEFAULT, version=text_of(engine.version()))
+            failed = replace(failed, version=text_of(engine.version()))
             ended.append(_solved(engine, scene, request, failed, reads=reads))  # by now no clock times an import
         except MemoryError:
             raise

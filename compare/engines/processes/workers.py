@@ -9,10 +9,10 @@ from operator import call
 from threading import Lock, Timer
 from typing import Any, TypeVar
 
-from scenes import Request, Scene, Settings
+from scenes import Scene
 
 from .. import registry
-from ..runner import HERE, LIMITS, Run, Runs
+from ..runner import HERE, LIMITS, Runs
 from ..threads import one_thread
 from .inside import Ended, Limits
 from .isolation import Poll, Worker
@@ -42,11 +42,6 @@ class Workers(Runs):
         """End all processes."""
         for worker in self._workers.values():
             worker.end()
-
-    def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
-        """Build, solve and read in the engine's process, whose limits its default settings have a part in."""
-        missing = registry.ENTRIES[name].missing
-        return super().run(name, scene, request, settings or (None if missing else registry.engine(name).DEFAULT))
 
     def asked(self, name: str, scene: Scene, function: Callable[[], T], limits: Limits = LIMITS) -> T | Ended:
         """Call a function in the engine's process, about a scene on which that has not ended too often."""
