@@ -42,7 +42,7 @@ class Worker(Generic[Item, Result]):
             self.connection, theirs = CONTEXT.Pipe()
             OPEN.add(self.connection)
             self._process = CONTEXT.Process(target=serve, args=(theirs, function, os.getpid()), daemon=True)
-            with uninterrupted(signal.SIGINT, signal.SIGTERM):
+            with uninterrupted():
                 self._process.start()
         except OSError as error:
             raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
@@ -181,12 +181,12 @@ def isolated(
 
 
 @contextmanager
-def uninterrupted(*signals: signal.Signals) -> Iterator[None]:
-    """Have signals wait, so that they do not reach a process that has its parent's handlers still."""
+def uninterrupted() -> Iterator[None]:
+    """Have stops wait, so that they do not reach a process that has its parent's handlers still."""
     if not LINUX:
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:
