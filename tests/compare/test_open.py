@@ -10,7 +10,8 @@ from compare.run import main
 from tests import scene_files
 
 ASKED = [str(scene_files.path("slider_crank")), "--engines", "analytic", "--samples", "8", "--open"]
-NO_MEMBERS = "compare.measure.many.going_on.members", lambda *_: [Member({"drive.speed": 1.0}, INVALID, "not run")]
+NONE = [Member({"drive.speed": speed}, INVALID, "not run") for speed in (1.0, 2.0)]
+NO_MEMBERS = "compare.measure.many.going_on.members", lambda *_: NONE
 FAMILY = ["--vary", "drive.speed=1:2:2"]
 
 
