@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.elements.friction import PinFriction
+from scenes.elements.friction import Friction, GuideFriction, PinFriction
 from scenes.elements.loads import Force, Load, Moment, TableForce
 from scenes.elements.springs import TorsionSpring
 from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import GROUND
 
+from ...mechanics import friction
 from ...mechanics.bodies import weights
 from ...mechanics.elements import Push, generalised, of_element, weight
-from ...mechanics.friction import by_law
 from ...mechanics.motion_vectors import MotionVectors
 from .cause import Cause, Kind, stem
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
@@ -55,7 +55,7 @@ class Carried(MotionVectors):
         before, pushed = self._of(*self.resisting), self._of(*pushes)
         now = {**true}
         for _ in range(ROUNDS if rubbing else 1):
-            now |= by_law(replace(self, motion=Motion(now)), now)
+            now |= friction.by_law(replace(self, motion=Motion(now)), now)
             resisted = self._of(*replace(self, motion=Motion(now)).resisting)
             now |= {c: true[c] + pushed[c] - before[c] + resisted[c] for c in pushed}
         return {c: now[c] - true[c] for c in (*pushed, *rubbing)}
@@ -207,22 +207,17 @@ def _friction(carried: Carried) -> Iterator[Hypothesis]:
             yield fit._replace(freedom=int(cause.place != "drive"))
 
 
-def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, tuple[Push, Push]]]:
+def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, Iterator[Push]]]:
     """Yield joints that may have friction: the rate of their parts on each other, the load, and what resists by one."""
-    scene, given = carried.scene, carried.evidence.given
-    for body in scene.bodies.values():
-        if body.slide is not None:
-            z, along = carried.place(body.points[0]), carried.along(body)
-            force = f"{body.name}.guide_force"
-            load = np.abs(given[force]) if force in carried.evidence.names else np.zeros(z.shape)
-            cause = Cause(Kind.friction, body.name, "{place}'s guide has friction ({one}, {number})")
-            against = Push(body.name, -along, z), Push(body.slide.on, along, z)
-            yield cause, carried.sliding(body), load, against
-    for pin in scene.pins:
-        omega = carried.turning(pin.second)[1] - carried.turning(pin.first)[1]
-        at, load = carried.place(pin.point), np.abs(carried.vector(f"{pin.channel}.", "fx", "fy"))
-        cause = Cause(Kind.friction, pin.channel, "the pin {place} has friction ({one}, {number})")
-        yield cause, omega, load, (Push(pin.second, 0 * at, at, -1.0), Push(pin.first, 0 * at, at, 1.0))
+    scene, samples = carried.scene, carried.motion.samples
+    resisting, forces = -np.ones_like(samples["time"]), {**samples, **carried.evidence.given.samples}
+    joints: list[Friction] = [GuideFriction(slider=name, length=np.inf, coefficient=1.0) for name in scene.slides]
+    joints += [PinFriction(at=pin.point, body=pin.second, radius=1.0, coefficient=1.0) for pin in scene.pins]
+    for one in joints:
+        channel, joint = one.channel(scene), "the pin {place}" if isinstance(one, PinFriction) else "{place}'s guide"
+        unit = replace(carried, motion=Motion({**samples, channel: resisting}))
+        cause = Cause(Kind.friction, stem(channel), f"{joint} has friction ({{one}}, {{number}})")
+        yield cause, friction.rate(carried, one), friction.load(scene, one, forces), of_element(unit, one)
 
 
 def _elsewhere(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -236,8 +231,8 @@ def _elsewhere(evidence: Evidence) -> Iterator[Hypothesis]:
         standing = by_channel.get(other)
         if isinstance(standing, PinFriction):
             there = replace(there, radius=there.radius * (1 + standing.arm / one.arm))
-        friction = {c: each for c, each in by_channel.items() if c != own} | {other: there}
-        if other != own and (solved := evidence.solved(replace(scene, friction=tuple(friction.values())))):
+        every = {c: each for c, each in by_channel.items() if c != own} | {other: there}
+        if other != own and (solved := evidence.solved(replace(scene, friction=tuple(every.values())))):
             shown = 0 * solved[other] if standing else solved[other]
             text = "the friction of {place} acts at {one}"
             cause = Cause(Kind.friction, stem(own), text, names=(pin.channel,))
