@@ -1,6 +1,6 @@
-"""Causes in the numbers of a scene, masses, lengths, guides, loads, springs, gravity, by the core's derivatives.
+"""Causes in the numbers of a scene, masses, lengths, guides, loads, springs, gravity, by how the core moves with them.
 
-To the first order another number moves all channels along a column of the exact derivatives. The fewest columns that
+To the first order another number moves all channels along a column of their derivatives. The fewest columns that
 explain the deviation are chosen, by the best subsets of one, of two, and so on. What was chosen is then solved for as
 it is, by Gauss and Newton on the motions of scenes with such numbers, since a length that is off by some per cent is no
 small one near a dead point.
@@ -28,7 +28,6 @@ CLOSER = 2  # groups of numbers by each of two measures, that are solved for as 
 MOST = 4  # groups that are off at once
 HELPS = 0.25  # of what is left over without it, that a further group leaves at most
 ROUNDS = 8
-FEW = 100  # numbers, of which derivatives take no second
 WORK = 1.2e7  # numbers that all slopes are: of five bodies all rows of a usual run, of sixty some forty
 
 Slopes = Mapping[str, Channels]  # by path in the file the change of each channel, SI
@@ -61,25 +60,23 @@ def affordable(evidence: Evidence) -> Evidence:
 
 
 def _slopes(evidence: Evidence, scene: Scene, groups: Iterable[Numbers]) -> Slopes:
-    """Return how the channels change with each number of some groups; nothing where there is no motion."""
+    """Return how the channels change with each number of some groups; nothing where there is no motion.
+
+    Every number that is off by a hair makes a machine of its own; all are solved at once.
+    """
     paths = [*dict.fromkeys(path for group in groups for direction in group.directions for path in direction)]
     channels = frozenset(evidence.names) - {scene.drive_channel}
     if not (paths and channels):
         return {}
-    size = np.array([scene.size(scene.numbers[path]) for path in paths])
-    position, time = evidence.true[scene.drive_channel], evidence.true["time"]
-    if len(paths) <= FEW:
-        by = registry.derivatives(scene, paths, position, time, channels)
-    else:  # of hundreds of numbers the derivatives are code that takes a minute to make
-        value = np.array([scene.numbers[path].value for path in paths])
-        is_length = np.array([scene.numbers[path].quantity.dimension == "length" for path in paths])
-        typical = np.where(is_length, evidence.reference.mechanics.size, 1.0)
-        hair = np.diag(HAIR * np.where(value != 0, np.abs(value), typical) / size)
-        numbers = np.vstack([value / size + hair, value / size])  # a machine each, the last one with no number changed
-        machines = registry.many(scene, dict(zip(paths, numbers.T, strict=True)), channels)
-        motions = machines(*(np.tile(of, (len(numbers), 1)) for of in (position, time))).samples
-        by = {c: (motions[c][:-1] - motions[c][-1]) / np.diag(hair)[:, np.newaxis] for c in channels}
-    return {path: {c: own[k] / size[k] for c, own in by.items()} for k, path in enumerate(paths)}
+    numbers = [scene.numbers[path] for path in paths]
+    value, unit = np.array([(one.value, scene.size(one)) for one in numbers]).T
+    typical = [evidence.reference.mechanics.size if one.quantity.dimension == "length" else 1.0 for one in numbers]
+    hair = HAIR * np.where(value != 0, np.abs(value), typical)
+    machines = np.vstack([value + np.diag(hair), value])  # of the last one no number is off
+    solve = registry.many(scene, dict(zip(paths, (machines / unit).T, strict=True)), channels)
+    position, time = (np.tile(evidence.true[c], (len(machines), 1)) for c in (scene.drive_channel, "time"))
+    motions = solve(position, time).samples
+    return {path: {c: (motions[c][k] - motions[c][-1]) / hair[k] for c in channels} for k, path in enumerate(paths)}
 
 
 def _along(slopes: Slopes, direction: Direction) -> Channels:

@@ -1,6 +1,5 @@
 """The likely cause of a disagreement: of scenes that are wrong on purpose, number, place and amount are named."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 from compare.engines import registry
+from compare.engines.registry import Many, SolveMany
 from compare.judge.causes import numbers
 from compare.judge.causes.cause import Kind
 from compare.judge.causes.evidence import evidence
@@ -145,12 +145,16 @@ def test_of_many_bodies_a_length_is_sought_at_few_samples(
     motion = solved(times(factor, reference.scene, path), reference)
     rows = list[int]()
 
-    def counted(scene: Scene, paths: Sequence[str], position: Samples, *rest: Any) -> Mapping[str, Samples]:
-        rows.append(len(position))
-        return derivatives(scene, paths, position, *rest)
+    def counted(*of: Any) -> SolveMany:
+        def solve(position: Samples, time: Samples) -> Many:
+            rows.append(position.shape[-1])
+            return machines(position, time)
 
-    derivatives = registry.derivatives
-    monkeypatch.setattr(registry, "derivatives", counted)
+        machines = many(*of)
+        return solve
+
+    many = registry.many
+    monkeypatch.setattr(registry, "many", counted)
     monkeypatch.setattr(numbers, "WORK", 2.8e4)
     named = cause(reference, SAMPLING, motion)
     assert (named.kind, named.place) == (kind, place)
