@@ -8,12 +8,11 @@ from scenes import Failure, Motion, Rows, Status
 from ..engines.registry import REFERENCE
 from ..mechanics.reference import Reference
 from .causes.cause import UNKNOWN, Cause, Kind, stem
-from .causes.course import course_causes, irregular
 from .causes.evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, away_from_switches, evidence, price
 from .causes.forces import force_causes, late_loads
 from .causes.numbers import affordable, number_causes
 from .causes.read_out import in_some_rows, read_out_causes
-from .causes.samples import incomplete, sample_causes
+from .causes.samples import course_causes, incomplete, irregular, sample_causes
 from .causes.whole import drive_causes, frame_causes, strayed
 from .causes.words import words
 from .errors import worst_of

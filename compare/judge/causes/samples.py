@@ -1,23 +1,33 @@
-"""Causes that need no model: channels missing or not finite, samples held, spoilt or out of order."""
+"""Causes in the samples: missing, held, spoilt, out of order, late, smoothed, noisy, or differences of each other."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
-from scenes.model.motion import quantity
+from scenes.model.motion import Samples, quantity
 
 from ...engines.runner import ON_TIME
 from ...mechanics.reference import Reference
-from .cause import ANGLES, Cause, Kind, common
-from .evidence import NEXT_TO_NOTHING, Evidence, Hypothesis
+from .cause import ANGLES, Cause, Kind, Part, common, stem
+from .evidence import NEARLY_ALL, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
 
 FEW = 0.1  # of the samples
 MOST = 0.8  # of the channels, that a spoilt row spoils
 TELLING = 3  # channels, by which a row is known: one number or two are about those of many rows
 ROUNDING = 1e-9  # of the square of the largest sample's deviation
 FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
+SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
+CYCLES_LATE = tuple(k / 16 for k in range(1, 9))
+WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
+EVEN = 1e-6  # of a step: by how much equal steps differ where instants are written at decimals
+COARSE = (2, 3, 4, 5, 6, 8, 9, 10, 12)  # samples
+FASTER = 2.0  # from each third of the start to the next, a transient dies away by more
+LEAST_BEND = 1e-3  # of a second difference
+WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
+SPREAD = 0.15  # of the samples, that noise and what is interpolated have at least
 
 
 def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | None:
@@ -125,3 +135,113 @@ def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
     first = float(evidence.true[evidence.drive][bad.argmax()])
     text = "{place} is spoilt at {where}, its neighbours are not"
     yield Hypothesis(Cause(Kind.spike, place, text, rows=(first,)), predicted)
+
+
+def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield what a wrong course would have given, for all channels that hold nearly all of the deviation."""
+    for part, causes in product(evidence.parts, (_late, _differences, _smoothed, _growing, _interpolated)):
+        yield from causes(evidence, part)
+
+
+def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """All of a part late by one time, s, by Gauss and Newton from several starts; or by samples, the first held."""
+    time, rows = evidence.motion["time"], np.arange(len(evidence.rows))
+    step, drive = float(time[1] - time[0]), evidence.scene.drive
+    kind = Kind.drive if part.channels == (evidence.drive,) else Kind.lag
+
+    def predict(by: Samples, start: float = 0.0) -> Channels:
+        late = evidence.late(start + float(by[0]))
+        return {c: late[c] for c in part.channels if late}
+
+    starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * drive.cycle for k in CYCLES_LATE] * drive.periodic
+    either = (sign * by for by in starts for sign in (1, -1))
+    start = min(either, key=lambda by: evidence.left(predict(np.zeros(1), by)))
+    (by,), late = evidence.fitted(lambda by: predict(by, start), [1e-4 * step], 4)
+    if late:
+        by = float(by) + start
+        even = float(np.ptp(np.diff(time))) <= EVEN * step  # else a lag is no number of samples
+        yield Hypothesis(part.cause(kind, "{part} {is} {late}", *((by, by / step) if even else (by,))), late, 1)
+    for count in WHOLE_SAMPLES:
+        predicted = {c: evidence.true[c][np.clip(rows - count, 0, rows[-1])] for c in part.channels}
+        yield Hypothesis(part.cause(kind, "{part} {is} {late_rows}", count), predicted)
+
+
+def _explained(evidence: Evidence, predicted: Channels) -> Channels:
+    """Return those channels that a prediction explains in part at least."""
+    return {c: own for c, own in predicted.items() if evidence.left({c: own}) < 1}
+
+
+def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Rates that are differences of the motion's own poses or rates over its samples."""
+    source_of = {"vx": "x", "vy": "y", "omega": "angle", "ax": "vx", "ay": "vy", "alpha": "omega"}
+    sources = {c: f"{stem(c)}.{source_of.get(quantity(c))}" for c in part.channels}
+    if not all(source in evidence.motion for source in sources.values()):
+        return
+    time, below = evidence.motion["time"], {c: evidence.motion[source] for c, source in sources.items()}
+    values = {c: np.unwrap(own) if sources[c].endswith("angle") else own for c, own in below.items()}
+    text, before = "{part} {is} {one} differences of samples", [0, *range(len(time) - 1)]
+    central = {c: np.gradient(own, time) for c, own in values.items()}
+    backward = {c: (np.diff(own) / np.diff(time))[before] for c, own in values.items()}
+    for how, rates in (("central", central), ("backward", backward)):
+        predicted = _explained(evidence, {c: own[evidence.rows] for c, own in rates.items()})
+        yield Hypothesis(Cause(Kind.differences, common(predicted), text, names=(how,), part=part), predicted)
+
+
+def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part, or those of its channels that it explains, averaged over neighbouring samples."""
+    bends = {c: np.diff(np.pad(evidence.true[c], 1, "edge"), 2) for c in part.channels}
+    by = [float(evidence.added([{c: bend}])[0][0]) for c, bend in bends.items()]
+    typical = float(np.median([size for size in by if abs(size) > LEAST_BEND] or [0.0]))
+    predicted = _explained(evidence, evidence.changed((typical,), [bends]))
+    text = "{part} {is} smoothed over {its} samples"
+    yield Hypothesis(Cause(Kind.solver, common(predicted), text, (typical,), part=part), predicted, 1)
+
+
+def _growing(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part whose errors grow steadily: from nothing by a slope of each channel's own, or by one factor."""
+    true, end = evidence.true, float(np.ptp(evidence.true["time"]))
+    run = (true["time"] - true["time"][0]) / end
+    drifting = {c: evidence.added([{c: run}])[1][c] for c in part.channels}
+    yield Hypothesis(part.cause(Kind.solver, "{part} {is} drifting away steadily"), drifting, min(len(drifting), 2))
+    growing = part.cause(Kind.solver, "{part} {is} growing steadily, by {growth} at the end")
+    yield evidence.with_amounts(growing, {c: true[c] * run for c in part.channels})
+
+
+def _interpolated(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part that is right at every so many samples, and between them on lines or on a spline."""
+    rows = evidence.rows
+    if len(rows) < len(evidence.motion["time"]):
+        return
+    off = np.sum([evidence.deviation[c] ** 2 for c in part.channels], axis=0)
+    if np.mean(off > NEXT_TO_NOTHING * off.max()) < SPREAD:
+        return  # a few rows are missed by nodes anyhow
+    from scipy.interpolate import make_interp_spline
+
+    time, true = evidence.true["time"], {c: evidence.true[c] for c in part.channels}
+    values = {c: np.unwrap(own) if quantity(c) in ANGLES else own for c, own in true.items()}
+    for every, (degree, how) in product(COARSE, ((1, "linear"), (3, "cubic"))):
+        nodes = np.unique([*rows[::every], rows[-1]])
+        if len(nodes) > 3 and off[nodes].sum() <= NEARLY_ALL**2 * off.sum():
+            predicted = {c: make_interp_spline(time[nodes], own[nodes], degree)(time) for c, own in values.items()}
+            cause = part.cause(Kind.coarse, "{part} {is} {one} between every {count}th sample", every, names=(how,))
+            yield Hypothesis(cause, predicted, 1)
+
+
+def irregular(evidence: Evidence) -> Cause | None:
+    """Return that the fewest channels that hold nearly all of the deviation are noisy, or have a start transient.
+
+    Of noise, the deviations of neighbouring samples have nothing to do with each other, and no few of them are all of
+    it. Those of a transient, over their largest sizes, are in the first rows, and die away from there.
+    """
+    parts = [part for part in evidence.parts if evidence.outside(part.channels) <= NEARLY_ALL]
+    part = min(parts, key=lambda part: len(part.channels))
+    off = np.array([evidence.deviation[c] for c in part.channels])
+    square, by_row = float(np.sum(off**2)), np.sum(off**2, axis=0)
+    if np.sum(off[:, 1:] * off[:, :-1]) <= WHITE * square and square**2 >= SPREAD * by_row.size * np.sum(by_row**2):
+        return part.cause(Kind.noise, "{part} {is} noisy")
+    size = np.array([evidence.scale[c] / evidence.scale[c].max() for c in part.channels])
+    by_row = np.sum((size * off) ** 2, axis=0)
+    first, second, third = (float(part.sum()) for part in np.array_split(by_row[: len(by_row) // 4], 3))
+    most = len(by_row) > 4 * SHORTEST and first + second + third >= (1 - NEARLY_ALL**2) * by_row.sum()
+    dying = first > FASTER * second > FASTER**2 * third > 0 and by_row[0] > by_row.max() / FASTER
+    return part.cause(Kind.start, "{part} {has} a start transient") if most and dying else None
