@@ -4,10 +4,13 @@ This is all that the judge knows of them: the balance of forces and moments of e
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache
+from math import ceil, pi
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from scenes import Failure, Scene
 from scenes.elements.friction import Friction, GuideFriction, PinFriction
 from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TabledLoad, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
@@ -15,11 +18,14 @@ from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
+from ..engines import registry
 from .bodies import inertia
 from .motion_vectors import MotionVectors, Vectors
-from .turns import twist
 
 Element: TypeAlias = Load | Spring | TorsionSpring | Friction
+
+STEPS = 3600  # of a cycle: from one to the next no angle comes near to half a turn
+HAIR = 1e-9  # rad: what rounding makes of half a turn, which counts as that, not as its opposite
 
 
 class Push(NamedTuple):
@@ -103,6 +109,36 @@ def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring) -> Iterator[
     on_second = spring.moment(twist(state, spring), rate)
     for body, sign in ((spring.first, -1), (spring.second, 1)):
         yield _turning(state, body, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
+
+
+def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
+    """The angle of a torsion spring, rad, shape (n,), on over whole turns: these count, and no pose shows them."""
+    scene, position = state.scene, state.motion[state.scene.drive_channel]
+    within = state.angle(spring.second) - state.angle(spring.first)
+    if sign := spring.drives(scene):
+        near = sign * position
+    else:
+        try:
+            places, angles = _course(scene, spring)
+        except Failure:  # no other motion is known than this one
+            return np.unwrap(np.remainder(within + pi, 2 * pi) - pi)
+        once = 2 * pi * round(float(scene.drive.after(1.0) - scene.drive.after(0.0)) / (2 * pi))
+        cycles = np.floor((position - places[0]) / abs(once)) if scene.drive.periodic and once else 0.0
+        gain = np.interp(places[0] + abs(once), places, angles) - angles[0]  # whole turns
+        near = np.interp(position - cycles * abs(once), places, angles) + cycles * gain
+    return np.asarray(near + np.remainder(within - near + pi, 2 * pi) - pi)
+
+
+@lru_cache(maxsize=16)
+def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
+    """Positions of the drive over one cycle, increasing, and the angles there, from - pi to pi at time zero."""
+    places, signs = np.linspace(*scene.drive.extent, STEPS + 1), {spring.second: 1, spring.first: -1}
+    solve = registry.reference(scene, frozenset(f"{name}.angle" for name in signs if name in scene.turning))
+    motion = solve(places, np.zeros_like(places))
+    turning = (signs[name] * motion[f"{name}.angle"] for name in signs if name in scene.turning)
+    angles = np.unwrap(sum(turning, np.zeros_like(places)))
+    start = float(np.interp(scene.drive.at(0.0).position, places, angles))
+    return places, angles - 2 * pi * ceil((start - pi - HAIR) / (2 * pi))
 
 
 def _of_pin_friction(state: MotionVectors, one: PinFriction) -> Iterator[Push]:

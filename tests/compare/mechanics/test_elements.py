@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from compare.judge.checks import checks
+from compare.mechanics.elements import twist
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.motion_vectors import MotionVectors
 from compare.mechanics.scales import travels
-from compare.mechanics.turns import twist
 from compare.report.linkage.drawing import Drawing
 from compare.report.linkage.svg import by_itself
 from scenes import Motion, Sampling, Scene
