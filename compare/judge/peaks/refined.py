@@ -27,12 +27,6 @@ NEXT_TO_HIGHEST = 0.01  # of a quantity's range: how far below its largest sampl
 AHEAD = 4  # steps beyond three samples: how far a parabola is followed
 
 
-def jumps(scene: Scene) -> bool:
-    """Whether forces may jump, or bend at any place, within a cycle, as by press forces and by motion laws."""
-    by_parts = isinstance(scene.drive, MotionLaw | SegmentedLaw)
-    return by_parts or bool(scene.presses)
-
-
 def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
     """Yield how far each table of a load is beyond each of its entries, (..., n): forces bend where that is zero."""
     for name, table in _tables(scene):
@@ -67,7 +61,8 @@ def refined(
     instants near which press forces come or go, of a motion in the order of the time, where its samples are not
     further apart than a step, s; None where that is not followed.
     """
-    repeats, jump = scene.drive.periodic, jumps(scene)
+    repeats, by_parts = scene.drive.periodic, isinstance(scene.drive, MotionLaw | SegmentedLaw)
+    jump = by_parts or bool(scene.presses)  # whether forces may jump, or bend at any place, within the cycle
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if jump else 1  # samples on either side of a place
     high = heights(followed, cycle)
