@@ -19,7 +19,7 @@ from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
 from ..checks import closed_by
 from .curves import LEAST, CycleCurve, Values
-from .stroke import at, chords
+from .numbers import at, chords
 
 FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
 ROUNDS_TO_JUMP = 5  # where press forces act: to 1e-5 of the cycle's own steps

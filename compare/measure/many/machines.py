@@ -20,9 +20,8 @@ from scenes.model.motion import Samples
 
 from ...engines import registry
 from ...judge.peaks.curves import CycleCurve, Values, curves
-from ...judge.peaks.numbers import DWELL, STROKE, CycleNumber, numbers
+from ...judge.peaks.numbers import DWELL, DWELLING, STROKE, CycleNumber, RowNumbers, Stroke, chords, numbers
 from ...judge.peaks.refined import needed, refined
-from ...judge.peaks.stroke import DWELLING, RowNumbers, Stroke, chords
 from ...judge.proof import channels_of, met
 from ...mechanics.reference import SCALE_SAMPLES, Reference
 from .sobol import points
