@@ -34,7 +34,7 @@ class Numbers(NamedTuple):
     cause: Cause  # without its amounts
     directions: tuple[Direction, ...]
     amounts: Callable[[Samples], Any] = np.asarray  # of the cause, by those of the directions, shape (k,)
-    linear: bool = False  # as forces are in masses
+    linear: bool = False  # as forces are in masses, and in a press's force: one of the other sign would act elsewhere
     alone: bool = False  # in the scene whose centres of mass and moments of inertia stand by themselves
 
     def measured(self, x: Samples) -> Cause:
