@@ -4,7 +4,6 @@ Fewer points of a curve are drawn without losing an extreme: of each stretch the
 After Jugel et al. (2014), doi:10.14778/2732951.2732953.
 """
 
-import json
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partialmethod
@@ -63,10 +62,10 @@ class Figure:
         _merge(self.layout, *more, own)
         return self
 
-    def json(self, most: int = CURVE) -> str:
-        """What the script of a page draws, with at most so many points a curve."""
+    def shown(self, most: int = CURVE) -> Any:
+        """What the script of a page draws, in JSON's types, with at most so many points a curve."""
         traces = [{name: _packed(of) for name, of in each.items()} for each in thinned(self.traces, most, np.float32)]
-        return json.dumps(plain({"data": traces, "layout": self.layout}))
+        return plain({"data": traces, "layout": self.layout})
 
 
 def stacked(*heights: float) -> Figure:

@@ -17,7 +17,7 @@ from markupsafe import Markup, escape
 
 from ...engines.kept import environment
 from ...judge.agreement import Word
-from ..figures.figure import CURVE, Figure
+from ..figures.figure import CURVE
 from ..numbers import percent, short
 
 HERE, *OTHERS = (f"compare.report.{room}" for room in ("pages", "linkage", "bench", "figures"))  # that have templates
@@ -27,7 +27,7 @@ MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.no
 
 def render(name: str, package: str = HERE, *, most: int = CURVE, **values: Any) -> str:
     """A page from the template of a package, with at most so many points a curve of its figures."""
-    return _templates(package).get_template(name).render(values, parts=Parts(most), most=most)
+    return _templates(package).get_template(name).render(values, contents=[], figures=[], most=most)
 
 
 class ByteCode(FileSystemBytecodeCache):
@@ -83,24 +83,6 @@ def cell(value: object) -> object:
     if value is None or value != value:
         return "–"
     return number(value, short(value)) if isinstance(value, float) else value
-
-
-class Parts:
-    """What a page collects while it is rendered: its sections and its figures."""
-
-    def __init__(self, most: int) -> None:
-        self.contents: list[tuple[str, str]] = []  # anchor and title of every section, entered by its macro
-        self._most, self._figures = most, list[str]()
-
-    def figure(self, figure: Figure) -> int:
-        """Take a figure in, and return its number."""
-        self._figures.append(figure.json(self._most))
-        return len(self._figures) - 1
-
-    @property
-    def figures(self) -> str:
-        """All figures, packed; nothing where there are none."""
-        return packed(f"[{','.join(self._figures)}]".encode()) if self._figures else ""
 
 
 def shortened(

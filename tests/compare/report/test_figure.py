@@ -1,7 +1,5 @@
 """Figures as plain data: what plotly itself would make of them."""
 
-import json
-
 import numpy as np
 import plotly.graph_objects as go
 import pytest
@@ -45,7 +43,7 @@ def test_floats_are_packed_and_what_is_not_finite_is_null() -> None:
     figure = stacked()
     draw(figure, "list", [0.0, 1.0], [np.nan, 2.0], text=["a", np.float64(np.inf)])
     draw(figure, "arrays", np.array([0.0, 1.0]), np.array([[1, 2], [3, 4]], np.int16), text=np.array(["b", None]))
-    one, other = json.loads(figure.json())["data"]
+    one, other = figure.shown()["data"]
     assert (one["x"], one["y"], one["text"]) == ([0, 1], [None, 2], ["a", None])
     assert (other["x"], other["text"]) == ({"dtype": "f8", "bdata": "AAAAAAAAAAAAAAAAAADwPw=="}, ["b", None])
     assert other["y"] == [[1, 2], [3, 4]]
