@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -29,19 +28,6 @@ from .demands import demands
 ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
 SEED, MACHINES = 0, 500  # of the machines that the page draws: as `--monte-carlo 500` does
 EXACT = 24  # samples of the run that are kept to the last digit, against which the page checks itself
-
-
-@dataclass(frozen=True)
-class DesignNumber:
-    """A number that is asked of a design: the largest or least of some channels, or how far one goes."""
-
-    name: str
-    kind: str  # `largest` length of a vector, `least`, or `range` along a direction
-    channels: Sequence[str]
-    factor: float
-    unit: str
-    zero: float  # SI: what is no more is round-off
-    along: tuple[float, float] = (1.0, 0.0)
 
 
 class Bench:
@@ -75,6 +61,7 @@ class Bench:
             "paths": scene.moving_points,
             "extent": scene.drive.extent,
             "points": {point: [*self._moves(point)] for point in scene.owners},
+            "along": (guided := scene.guided(scene.output)) and guided[1].along,
             "pushes": [*self._pushes()],
             "asked": self.asked,
             "machines": self._machines(),
@@ -173,29 +160,27 @@ class Bench:
                 yield {"channels": channels, "kind": kind, "least": limit.least, "most": limit.most}
 
     @cached_property
-    def asked(self) -> list[DesignNumber]:
-        """What a design is asked for, of the channels that the page solves for."""
+    def asked(self) -> Sequence[Mapping[str, Any]]:
+        """What a design is asked for, of the channels that the page solves for, in the units of the page.
+
+        That is the `largest` length of a vector, the `least` of some channels, or the `range` of the output along its
+        guide. What is no more than `zero`, SI, is round-off.
+        """
         scene, named, known = self.scene, units(self.study.reference), self.program["channels"]
-        names = {f"{pin.channel}.force": f"Pin {pin.channel}: {pin.first} on {pin.second}" for pin in scene.pins}
-        names |= {f"{body}.guide_force": f"Guide on {body}: force" for body in scene.slides}
-        names |= {scene.effort_channel: f"Drive: {quantity(scene.effort_channel)}"}
-        names |= {f"{scene.output}.{rate}": f"{scene.output}: {rate}" for rate in ("speed", "acceleration")}
-        asked = list[DesignNumber]()
-
-        def zero(channels: Sequence[str]) -> float:
-            return ROUNDING * max(self.study.reference.scale.get(channel, 1.0) for channel in channels)
-
-        for one, name in names.items():
-            channels = channels_of(scene, one, known)
-            if {*channels} <= {*known}:
-                asked.append(DesignNumber(name, "largest", channels, *named[UNITS[quantity(one)]], zero(channels)))
-        guided, output = scene.guided(scene.output), [f"{scene.output}.{q}" for q in "xy"]
-        if guided is not None and {*output} <= {*known}:
-            asked.append(
-                DesignNumber(f"{scene.output}: stroke", "range", output, *named["m"], zero(output), guided[1].along)
-            )
-        if angles := channels_of(scene, TRANSMISSION, known):
-            asked.append(DesignNumber("Least transmission angle", "least", angles, *named["rad"], ROUNDING))
+        largest = {f"{pin.channel}.force": f"Pin {pin.channel}: {pin.first} on {pin.second}" for pin in scene.pins}
+        largest |= {f"{body}.guide_force": f"Guide on {body}: force" for body in scene.slides}
+        largest |= {scene.effort_channel: f"Drive: {quantity(scene.effort_channel)}"}
+        largest |= {f"{scene.output}.{rate}": f"{scene.output}: {rate}" for rate in ("speed", "acceleration")}
+        wanted = [(name, "largest", UNITS[quantity(c)], channels_of(scene, c, known)) for c, name in largest.items()]
+        if scene.guided(scene.output) is not None:
+            wanted.append((f"{scene.output}: stroke", "range", "m", [f"{scene.output}.{q}" for q in "xy"]))
+        wanted.append(("Least transmission angle", "least", "rad", channels_of(scene, TRANSMISSION, known)))
+        asked = list[Mapping[str, Any]]()
+        for name, kind, si, channels in wanted:
+            if channels and {*channels} <= {*known}:
+                zero = ROUNDING * max(self.study.reference.scale.get(channel, 1.0) for channel in channels)
+                shown = {"factor": named[si][0], "unit": named[si][1], "zero": zero}
+                asked.append({"name": name, "kind": kind, "channels": channels, **shown})
         return asked
 
     @property

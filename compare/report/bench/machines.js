@@ -7,7 +7,7 @@ const withoutAngles = () => compiled(bench.line.split("\n").filter(text => !idle
 let isRunning = false, isStale = false; // whether the design has changed meanwhile
 
 const meets = rows => bench.limits.every(({ kind, channels, least, most }) => {
-  const of = measured({ kind, channels, along: [1, 0] }, rows), sign = kind === "least" ? -1 : 1;
+  const of = measured({ kind, channels }, rows), sign = kind === "least" ? -1 : 1;
   return rows[0].every((_, n) => (least === null || sign * of(n) >= least) && (most === null || sign * of(n) <= most));
 });
 const widen = ({ curve, low, high }, rows) => { // by one machine more

@@ -95,11 +95,11 @@ const FINER = 16, LEVELS = 4; // positions of a bracket, and brackets in each ot
 const PEAKS = 3; // at most, that are looked at more closely
 const few = arrays(FINER + 1);
 const measures = { // of some channels, at n
-  largest: (_, x, y) => n => (y ? Math.sqrt(x[n] * x[n] + y[n] * y[n]) : Math.abs(x[n])),
-  least: (_, ...all) => n => all.reduce((least, values) => Math.max(least, -values[n]), -Infinity),
-  range: ([u, v], x, y) => n => u * x[n] + v * y[n],
+  largest: (x, y) => n => (y ? Math.sqrt(x[n] * x[n] + y[n] * y[n]) : Math.abs(x[n])),
+  least: (...all) => n => all.reduce((least, values) => Math.max(least, -values[n]), -Infinity),
+  range: (x, y) => n => bench.along[0] * x[n] + bench.along[1] * y[n], // of the output, on its guide
 };
-const measured = ({ kind, along, channels }, rows) => measures[kind](along, ...channels.map(channel => rows[column[channel]]));
+const measured = ({ kind, channels }, rows) => measures[kind](...channels.map(channel => rows[column[channel]]));
 const lawAt = time => { // what a motion law asks for, by its pieces: polynomials and sines
   const { pieces, cycle, gain } = bench.law, cycles = cycle ? Math.floor(time / cycle) : 0, own = time - cycles * cycle;
   const [begin, polynomial, sines, lag] = pieces.findLast(([begin]) => begin <= own) ?? pieces[0], t = own - begin - lag;
