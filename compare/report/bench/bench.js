@@ -16,12 +16,6 @@ const fill = rows => {
   bench.channels.forEach((channel, c) => channel in place && numbers.set(rows[c], place[channel]));
   for (const channel of posed)
     from.forEach((m, n) => (numbers[place[channel] + n] = m < 0 ? run.numbers[place[channel] + n] : rows[column[channel]][m]));
-  for (const { channel, on, way, names } of bench.pushes) {
-    if (!(channel in column) || !(names[0] in place)) continue;
-    rows[column[channel]].forEach((size, n) => turned(way, angle(on, n)).forEach((part, q) => {
-      numbers[place[names[q]] + n] = size * part;
-    }));
-  }
   for (const { point, q, k } of grounded) head.ground[point][q] = edited[k];
 };
 

@@ -18,7 +18,6 @@ from ...engines import registry
 from ...judge.proof import channels_of
 from ...measure.many.machines import draws
 from ...study import Study
-from ..linkage.drawing import pushes
 from ..linkage.moving import MovingPicture
 from ..numbers import units
 from ..pages.html import packed
@@ -61,9 +60,8 @@ class Bench:
             "paths": scene.moving_points,
             "extent": scene.drive.extent,
             "points": {point: [*self._moves(point)] for point in scene.owners},
-            "along": (guided := scene.guided(scene.output)) and guided[1].along,
-            "pushes": [*self._pushes()],
             "asked": self.asked,
+            "along": (guided := scene.guided(scene.output)) and guided[1].along,
             "machines": self._machines(),
             "limits": [*self._limits()],
             "law": self._law(),
@@ -118,13 +116,6 @@ class Bench:
                 "local": [at.get(path, -1) for path in places] if places[0] in at and len(body.points) > 1 else [],
                 "slide": body.slide,
             }
-
-    def _pushes(self) -> Iterator[Mapping[str, Any]]:
-        """Yield what the arrows at guides are of: a channel, along the guide or across it, on the ground or a body."""
-        for slider, channel, name, direction in pushes(self.scene):
-            slide = self.scene.slides[slider]
-            way, names = direction * complex(*slide.along), [f"{name} {q}" for q in "xy"]
-            yield {"channel": channel, "on": slide.on, "way": [way.real, way.imag], "names": names}
 
     def _machines(self) -> Mapping[str, Any]:
         """The numbers that vary from machine to machine, and by how much those of the drawn machines are off, SI.

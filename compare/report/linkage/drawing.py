@@ -30,18 +30,12 @@ class Arrow:
     name: str
     point: str  # where it attacks
     force: Vectors  # N, shape (n,)
-    components: tuple[str, str]  # their names: of a pin, its channels
+    components: Sequence[str]  # their names: of a pin, its channels; of a guide one channel, which acts along `way`
     load: bool = False  # rather than of a joint
+    on: str = ""  # what carries the guide
+    way: tuple[float, float] = (0.0, 0.0)  # in the frame of that, of length 1
     moment: str = ""  # of the pin's friction, its channel, where it has one
     aside: Vectors | float = 0.0  # m, from the pin to the force's line, by that moment
-
-
-def pushes(scene: Scene) -> Iterator[tuple[str, str, str, complex]]:
-    """Yield what acts along guides and across: slider, channel, name, and direction, 1 along the guide, 1j across."""
-    for slider in scene.slides:
-        yield slider, f"{slider}.guide_force", f"guide on {slider}", 1j
-        if slider == scene.drive.body:
-            yield slider, "drive.force", f"drive on {slider}", 1.0
 
 
 def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
@@ -60,11 +54,16 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
             line: tuple[str, Vectors | float] = ("", 0.0)
             if moment in rubbing and moment in motion:
                 line = moment, -1j * motion[moment] / np.where(R == 0, 1.0, R.conj())
-            yield Arrow(f"{pin.channel}: {pin.first} on {pin.second}", pin.point, R, components, False, *line)
-    for slider, channel, name, way in pushes(scene):
-        if channel in motion:
-            body, components = scene.bodies[slider], (f"{name} x", f"{name} y")
-            yield Arrow(name, body.points[0], motion[channel] * (way * state.along(body)), components)
+            name = f"{pin.channel}: {pin.first} on {pin.second}"
+            yield Arrow(name, pin.point, R, components, moment=line[0], aside=line[1])
+    for slider, slide in scene.slides.items():
+        body, (x, y) = scene.bodies[slider], slide.along
+        acting = [(f"guide on {slider}", f"{slider}.guide_force", 1j, (-y, x))]
+        acting += [(f"drive on {slider}", "drive.force", 1.0, (x, y))] * (slider == scene.drive.body)
+        for name, channel, turn, way in acting:
+            if channel in motion:
+                along = motion[channel] * (turn * state.along(body))
+                yield Arrow(name, body.points[0], along, (channel,), on=slide.on, way=way)
     state = state.pressed(state.stroke_ends())
     for body in scene.bodies.values():
         own = [load for load in scene.loads if load.body == body.name and not isinstance(load, Moment)]

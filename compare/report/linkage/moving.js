@@ -30,7 +30,8 @@ let isEdited = false; // the reference's numbers are those of another design, wh
 const ofEngine = (engine, row, n) => (isEdited ? NaN : off[((engine - 1) * width + row) * count + n]);
 const difference = (channel, n, engine) => (engine ? ofEngine(engine, place[channel] / count, n) : 0);
 const value = (channel, n, engine = 0, times = 1) => numbers[place[channel] + n] + times * difference(channel, n, engine);
-const vector = ({ components }, ...of) => components.map(channel => value(channel, ...of));
+const vector = ({ components: [x, y], on, way }, n, ...of) => // of a guide along its way, on what carries it
+  y ? [value(x, n, ...of), value(y, n, ...of)] : turned(way, angle(on, n)).map(part => part * value(x, n, ...of));
 const angle = (body, n) => (`${body}.angle` in place ? value(`${body}.angle`, n) : 0); // none of what does not turn
 const error = (panel, n, engine) => ofEngine(engine, head.compared + panel, n);
 const over = n => value(axis.channel, n) * axis.factor;

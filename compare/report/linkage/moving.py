@@ -103,8 +103,8 @@ class MovingPicture:
         """What is packed of a motion by its name; NaN where it has none."""
         none = np.full(len(motion["time"]), np.nan)
         samples = {channel: motion.samples.get(channel, none) for channel in self._channels}
-        for arrow in arrows(self.study.scene, self.study.motion, motion):
-            samples |= dict(zip(arrow.components, (arrow.force.real, arrow.force.imag), strict=True))
+        for load in (arrow for arrow in arrows(self.study.scene, self.study.motion, motion) if arrow.load):
+            samples |= dict(zip(load.components, (load.force.real, load.force.imag), strict=True))
         return samples
 
     def _header(self) -> dict[str, Any]:
@@ -112,7 +112,7 @@ class MovingPicture:
         over, named = axis(scene), units(self.study.reference)
         first = {body.name: body.points[0] for body in scene.bodies.values()}
         colours = {BEFORE: GREY} | {m.run.engine: colour(number) for number, m in enumerate(self.study.measurements)}
-        kept = ("name", "point", "load", "components", "moment")
+        kept = ("name", "point", "load", "components", "on", "way", "moment")
         efforts = ((channel, named[UNITS[quantity(channel)]]) for channel in self._effort)
         return {
             "title": scene.title,
