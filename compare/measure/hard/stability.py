@@ -79,7 +79,7 @@ def over_sweeps(reference: Reference, engine: str, show: Progress, runs: Runs) -
         needed, fault = (np.nan, f"iterations_needed: {known.reason}") if isinstance(known, Ended) else known
         for number in SWEEPS:
             show(f"stability of {engine}: {number} sweeps, {steps} steps")
-            cell = _cell(("sweeps", engine, str(number), steps), reference, runs, sweeps=(number,), fault=fault)
+            cell = _cell(("sweeps", engine, str(number), steps), reference, runs, fault)
             yield cell | {"needed": needed}
 
 
@@ -98,7 +98,7 @@ def over_turns(reference: Reference, engine: str, show: Progress, runs: Runs) ->
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
     for number, steps in product(TURNS if reference.scene.drive.periodic else (), STEPS[:-1]):  # these runs are long
         show(f"stability of {engine}: drift over {number}, {steps} steps")
-        yield _cell(("drift", engine, str(number), steps), reference, runs, turns=number)
+        yield _cell(("drift", engine, str(number), steps), reference, runs)
 
 
 def heavier(scene: Scene) -> Variants:
@@ -133,24 +133,17 @@ def _at_steps(engine: str, *numbers: int) -> Settings | str:
     return stand_in(settings) if registry.ENTRIES[engine].outside else settings
 
 
-def _cell(
-    place: Place,
-    reference: Reference | Scene,
-    runs: Runs,
-    *,
-    sweeps: Sequence[int] = (),
-    turns: int = 1,
-    fault: str = "",
-) -> Cell:
+def _cell(place: Place, reference: Reference | Scene, runs: Runs, fault: str = "") -> Cell:
     """Run one cell; with a scene for reference there are no errors, and after a fault of the engine there is no run."""
     kind, engine, label, steps = place
+    sweeps = [int(label)] if kind == "sweeps" else []
     scene = reference if isinstance(reference, Scene) else reference.scene
     cell: Cell = {"map": kind, "engine": engine, "x": float(label), "label": label, "steps": steps, "setting": ""}
     settings: object = fault or runs.asked(engine, scene, partial(_at_steps, engine, steps, *sweeps))
     if not isinstance(settings, Settings):
         reason = f"at_steps: {settings.reason}" if isinstance(settings, Ended) else settings
         return cell | {"status": Status.crashed.name, "reason": reason, "error": np.nan, "solve_s": np.nan}
-    sampling = Sampling(SAMPLES, turns)
+    sampling = Sampling(SAMPLES, int(label) if kind == "drift" else 1)
     if isinstance(reference, Scene):
         measured = Measurement(checked_run(engine, reference, sampling, settings, runs), None, [])
     else:
