@@ -53,11 +53,9 @@ const machines = async () => {
   }
   if (isStale) machines();
 };
-if (chosen) {
-  edits.push(machines);
-  chosen.onchange = () => {
-    inTable(".machines").textContent = "";
-    if (!chosen.checked) plots.forEach(plot => plot.drawn?.band());
-    machines();
-  };
-}
+edits.push(machines);
+chosen.onchange = () => {
+  inTable(".machines").textContent = "";
+  if (!chosen.checked) plots.forEach(plot => plot.drawn?.band());
+  machines();
+};

@@ -53,7 +53,7 @@ class Chart {
     if (this.view[name] ?? axis.range) return this.view[name] ?? axis.range;
     const shown = panels.flatMap(({ traces }) => traces).filter(({ legendgroup }) => !this.hidden.has(legendgroup));
     const ends = shown.flatMap(({ X, top, low = [] }) => (letter === "x" ? [X] : [top, low]).flatMap(extent));
-    let [lo, hi] = extent([...ends.filter(Number.isFinite), ...(axis.rangemode === "tozero" ? [0] : [])]);
+    let [lo, hi] = extent(ends.filter(Number.isFinite));
     if (!(lo <= hi)) [lo, hi] = [0, 1];
     if (lo === hi) [lo, hi] = [lo - (Math.abs(lo) || 1) / 10, hi + (Math.abs(hi) || 1) / 10];
     const margin = letter === "x" && axis.type !== "log" && shown.some(({ mode }) => mode !== "markers") ? 0 : 0.05;

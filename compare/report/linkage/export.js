@@ -7,9 +7,7 @@ const asFile = () => {
   copy.setAttribute("height", (WIDE * height) / width);
   copy.style.setProperty("--px", width / WIDE);
   for (const name of COLOURS) copy.style.setProperty(`--${name}`, getComputedStyle(svg).getPropertyValue(`--${name}`));
-  const ground = made("rect", copy, "");
-  for (const [key, text] of Object.entries({ width, height, style: "fill: var(--panel); stroke: none" })) ground.setAttribute(key, text);
-  copy.prepend(ground);
+  copy.prepend(made("rect", copy, "", { width, height, style: "fill: var(--panel); stroke: none" }));
   return new Blob([new XMLSerializer().serializeToString(copy)], { type: "image/svg+xml" });
 };
 const film = async () => {

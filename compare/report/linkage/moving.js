@@ -59,9 +59,9 @@ const polyline = points => { // nothing where one of them is nowhere
   const path = `M${points.map(point => point.map(z => z.toFixed(2)).join(" ")).join("L")}`;
   return /NaN|Inf/.test(path) ? "" : path;
 };
-const made = (name, parent, kind) => {
+const made = (name, parent, kind, attributes = {}) => {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-  element.setAttribute("class", kind);
+  for (const [key, text] of Object.entries({ class: kind, ...attributes })) element.setAttribute(key, text);
   return parent.appendChild(element);
 };
 
@@ -131,8 +131,7 @@ const magnified = (n, times) => outlines.forEach((path, e) => {
   path.setAttribute("d", bodies.map(points => polyline(points.map(point => at(point, n, e + 1, own)))).join(""));
 });
 
-const ring = made("circle", made("g", svg, "marked"), "sign mark");
-ring.setAttribute("r", 15);
+const ring = made("circle", made("g", svg, "marked"), "sign mark", { r: 15 });
 const mark = (n, point) => {
   ring.style.display = point ? "" : "none";
   if (point) ring.parentNode.setAttribute("transform", `translate(${at(point, n).join(" ")})`);
@@ -288,14 +287,11 @@ find(".play").onclick = () => (playing ? stop() : play());
 slider.oninput = () => scrub(+slider.value);
 force.onchange = magnify.onchange = () => show(now);
 sketch.onchange = () => svg.querySelector(".ghost").setAttribute("visibility", sketch.checked ? "visible" : "hidden");
-root.addEventListener("keydown", event => {
-  if (event.target.closest("select, button, [type=checkbox]")) return;
-  const to = { ArrowLeft: now - 1, ArrowDown: now - 1, ArrowRight: now + 1, ArrowUp: now + 1, Home: 0, End: count - 1 };
-  if (event.key in to) scrub(to[event.key]);
-  else if (event.key === " ") find(".play").click();
-  else return;
+slider.onkeydown = event => { // the arrows, Home and End are its own
+  if (event.key !== " ") return;
+  find(".play").click();
   event.preventDefault();
-});
+};
 document.addEventListener("click", event => {
   const goal = event.target.closest("[data-at]");
   if (!goal) return;
