@@ -21,7 +21,8 @@ def small(scene: Scene, motion: Motion) -> str:
     """A motion's first pose and its paths, without names and forces, for a list of linkages: an SVG."""
     stride = ceil(len(motion["time"]) / ROWS)
     some = {c: v[::stride] for c, v in motion.samples.items() if c.rpartition(".")[2] in SHOWN}
-    drawing = _drawing(scene, Motion(some | {c: motion[c][::stride] for c in ("time", scene.drive_channel)}))
+    pose = Motion(some | {c: motion[c][::stride] for c in ("time", scene.drive_channel)})
+    drawing = Drawing(replace(scene, loads=(), friction=()), pose)
     root, _ = picture(drawing)
     root.set("style", f"--px: {SMALL * PX:.4f}")
     return stands_alone(root, drawing.size, [".linkage .name { display: none; }"])
@@ -29,7 +30,7 @@ def small(scene: Scene, motion: Motion) -> str:
 
 def stopped(scene: Scene, way: MotionRange) -> str:
     """The pose where a linkage stops, its joint that does not close marked, and the sketch dashed: an SVG."""
-    drawing = _drawing(scene, way.motion)
+    drawing = Drawing(replace(scene, loads=(), friction=()), way.motion)
     root, _ = picture(drawing)
     for sketch in root.iterfind("g[@class='ghost']"):
         del sketch.attrib["visibility"]
@@ -59,10 +60,6 @@ def sketched(scene: Scene, joint: str = "") -> str:
     if joint in at:
         _mark(root, at[joint])
     return stands_alone(root, (size.real, size.imag))
-
-
-def _drawing(scene: Scene, motion: Motion) -> Drawing:
-    return Drawing(replace(scene, loads=(), friction=()), motion)
 
 
 def _mark(root: Element, place: complex) -> None:
