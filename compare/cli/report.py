@@ -26,9 +26,8 @@ from ..measure.speed.timing import Budget
 from ..report.output import files
 from ..report.output.earlier import Change, Summary, before, last
 from ..report.plain import plain
-from ..report.tables import assemblies as assembly_tables
+from ..report.tables import proof
 from ..report.tables import speed as speed_tables
-from ..report.tables.proof import sentences
 from ..study import Study, judged, study
 
 
@@ -98,7 +97,7 @@ def _in_full(result: Study, options: Namespace, progress: Callable[[str], None])
 
 def print_result(result: Study) -> None:
     """Print the verdict, a line an engine, the reasons and causes."""
-    lines = [str(result.agreement), *sentences(result)]
+    lines = [str(result.agreement), *proof.sentences(result)]
     for m in result.measurements:
         worst = m.worst()
         errors = "  ".join(f"{g} {worst[g]:.1e}" for g in shown_groups(result.scene) if not isnan(worst.get(g, nan)))
@@ -197,8 +196,8 @@ def assemblies(scene: Scene, _: Sampling, options: Namespace, show: Callable[...
     with solvable(scene):
         every = registry.assemblies(scene)
     folder = files.write_assemblies(scene, every, options.out)
-    print(f"{scene.name}  {assembly_tables.sentence(scene, every)}")
-    for row in assembly_tables.ways(scene, every):
+    print(f"{scene.name}  {proof.how_many(scene, every)}")
+    for row in proof.assemblies(scene, every):
         print(f"{scene.name}  {', '.join(f'{name} {value}' for name, value in row.items() if value)}")
     show_page("assemblies", folder / "assemblies.html", "", options)
     return False

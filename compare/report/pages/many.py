@@ -13,9 +13,9 @@ from ...mechanics.axis import axis
 from ..figures.many import MOST_LINES, curves, drawn, histograms, over_number, variance_shares
 from ..linkage.drawing import Drawing
 from ..linkage.svg import by_itself
-from ..tables import assemblies as assembly_tables
 from ..tables import family as family_tables
 from ..tables import monte_carlo as monte_carlo_tables
+from ..tables import proof
 from ..tables.first_screen import answers
 from .html import render
 
@@ -59,7 +59,7 @@ def assemblies_page(scene: Scene, every: Assemblies) -> str:
     """The whole page on all assemblies as HTML; all pictures are at one scale."""
     alone = [Drawing(scene, one.motion) for one in every.found]
     pictures = [by_itself(Drawing(scene, own.motion, alone), 0) for own in alone]
-    return render("assemblies.html", scene=scene, every=every, tables=assembly_tables, pictures=pictures)
+    return render("assemblies.html", scene=scene, every=every, proof=proof, pictures=pictures)
 
 
 def _shown(family: Family) -> Iterator[dict[str, Any]]:

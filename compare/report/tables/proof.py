@@ -1,9 +1,10 @@
-"""What is proven between the samples, as rows and sentences."""
+"""What is proven, as rows and sentences: between the samples, and that these are all assemblies of a linkage."""
 
 from collections.abc import Iterator, Sequence
 from math import ceil, floor, isinf, log10
 
-from scenes.model.enclosures import Enclosure
+from scenes import Scene
+from scenes.model.enclosures import Assemblies, Enclosure
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
 
 from ...judge.agreement import Judgement
@@ -78,3 +79,21 @@ def sentences(study: Judgement) -> Iterator[str]:
     if study.limits:
         met = f"{len(study.limits) - len(open_limits)} of {len(study.limits)} limits are met at every position"
         yield f"{'; '.join([met, *open_limits])}."
+
+
+def assemblies(scene: Scene, every: Assemblies) -> TableRows:
+    """A row an assembly: how far the sketch is from it, its circuit, and where it meets another."""
+    return [
+        {"assembly": number, "off the sketch by": scene.length(one.off_sketch), "meant": "yes" if one.meant else ""}
+        | {"circuit": "–" if one.circuit is None else chr(ord("A") + one.circuit)}
+        | {"meets another at": ", ".join(f"{scene.position(at)} ({joint} singular)" for at, joint in one.meets)}
+        for number, one in enumerate(every.found, 1)
+    ]
+
+
+def how_many(scene: Scene, every: Assemblies) -> str:
+    """How many assemblies there are, and whether the sketch is nearest to the one that it picks."""
+    count = len(every.found)
+    known = "" if every.complete else ", perhaps not all"
+    what = f"{count} assembl{'y' if count == 1 else 'ies'} at {scene.where(every.position)}{known}"
+    return f"{what}; the sketch picks {'the nearest to it' if every.found and every.found[0].meant else 'another'}"
