@@ -1,13 +1,21 @@
-"""What the page needs to solve the linkage anew: the core's formulas as a script, its numbers, and what they are of."""
+"""What the page needs to solve the linkage anew: the core's formulas as a script, its numbers, and what they are of.
+
+A scene file demands more of the numbers than the formulas ask for: sums above zero, of numbers times 1 or -1; and
+triangles that are flat or not, as those drawn, by their sides, each a length or two points' coordinates: a uniform body
+does not become a plate where it was drawn as a bar.
+"""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatch
 from functools import cached_property
-from typing import Any
+from itertools import combinations, pairwise
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.bodies import LINE
+from scenes import Scene
+from scenes.bodies import LINE, Body
 from scenes.file.changes import at_path
 from scenes.file.reader import tables_of
 from scenes.limits import NAME
@@ -22,7 +30,9 @@ from ..linkage.moving import MovingPicture
 from ..numbers import units
 from ..pages.html import packed
 from ..plain import plain
-from .demands import demands
+
+Signs: TypeAlias = Mapping[str, int]  # by path, 1 or -1
+Sides: TypeAlias = list[list[str]]
 
 ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
 SEED, MACHINES = 0, 500  # of the machines that the page draws: as `--monte-carlo 500` does
@@ -106,8 +116,7 @@ class Bench:
         if any(body.slide is not None and (len(body.points) > 1 or body.name == scene.drive.body) for body in owners):
             return
         for body in sorted(owners, key=lambda body: (body.name != scene.drive.body, body.slide is None)):
-            pairs = {other: f"bodies.{body.name}.lengths.{'-'.join(sorted((point, other)))}" for other in body.points}
-            places = [f"bodies.{body.name}.points.{point}.{q}" for q in range(2)]
+            pairs, places = {other: _length(body, point, other) for other in body.points}, _coordinates(body, point)
             axis = body.points[:2] if body.name == scene.drive.body else ()  # whose angle is the drive's
             yield {
                 "body": body.name,
@@ -190,3 +199,44 @@ class Bench:
                 if path == "drive.speed":  # of the same sign: the positions are those of the run
                     least, most = (0, most) if number.value > 0 else (least, 0)
                 yield {"k": k, "path": path, "unit": unit, "least": least, "most": most}
+
+
+def demands(scene: Scene, places: Mapping[str, int]) -> Iterator[Mapping[str, Any]]:
+    """Yield what is wrong where a demand is not met, with the places of its numbers among all of the page."""
+    for text, signs in _sums(scene):
+        if signs.keys() <= places.keys():
+            yield {"text": text, "terms": [[places[path], sign] for path, sign in signs.items()]}
+    for body in scene.bodies.values():
+        flat = len(body.corners) == 2
+        text = f"{body.name} has a mass as a {'bar' if flat else 'plate'}, and needs 'com' and 'inertia'"
+        for sides in _triangles(body):
+            if all(path in places for side in sides for path in side):
+                yield {"text": text, "flat": flat, "sides": [[places[path] for path in side] for side in sides]}
+
+
+def _sums(scene: Scene) -> Iterator[tuple[str, Signs]]:
+    for body in scene.bodies.values():
+        for point, bases in body.bases.items():
+            sides = [_length(body, *pair) for pair in combinations((*bases, point), 2) if len(bases) == 2]
+            text = f"the triangle of {', '.join((*bases, point))} cannot close"
+            yield from ((text, {one: -1 if one == longest else 1 for one in sides}) for longest in sides)
+    for place, _ in scene.elements:
+        rows = [path for path in scene.numbers if fnmatch(path, f"{place}.table.*.0")]
+        yield from ((f"the rows of {place}.table are out of order", {a: -1, b: 1}) for a, b in pairwise(rows))
+
+
+def _triangles(body: Body) -> Iterator[Sides]:
+    """Yield those of two corners and another point of a uniform body, by the paths of their sides."""
+    if body.mass is not None and body.com is None and len(body.points) > 2:
+        p, q, *_ = body.corners
+        for r in (point for point in body.points if point not in (p, q)):
+            pairs = (p, q), (q, r), (r, p)
+            yield [_coordinates(body, *ends) if body.lengths is None else [_length(body, *ends)] for ends in pairs]
+
+
+def _length(body: Body, one: str, other: str) -> str:
+    return f"bodies.{body.name}.lengths.{'-'.join(sorted((one, other)))}"
+
+
+def _coordinates(body: Body, *points: str) -> list[str]:
+    return [f"bodies.{body.name}.points.{point}.{q}" for point in points for q in range(2)]
