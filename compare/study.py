@@ -17,9 +17,9 @@ from .judge.floor import establish
 from .judge.judgement import judgement
 from .judge.measure import offers, promising
 from .measure.speed import work_precision
-from .measure.speed.row import SpeedRow
 from .measure.speed.speed_table import speed_table
 from .measure.speed.timing import NO_CLOCK, Budget
+from .measure.speed.work_precision import SpeedRow
 
 if TYPE_CHECKING:
     from pandas import DataFrame

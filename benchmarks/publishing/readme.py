@@ -7,8 +7,7 @@ import pandas as pd
 
 from compare.engines.registry import REFERENCE
 from compare.judge.errors import shown_groups
-from compare.measure.speed.row import SpeedRow
-from compare.measure.speed.work_precision import choices
+from compare.measure.speed.work_precision import SpeedRow, choices
 from compare.report.tables.hard import counts
 from compare.report.tables.speed import contender
 from compare.report.tables.study import overview

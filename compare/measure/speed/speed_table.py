@@ -3,24 +3,27 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain
+from itertools import chain, product
 from math import ceil, inf, nan
 from statistics import median
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from scenes import Sampling, Settings, Status
 
 from ...engines.processes.stopping import Progress, kept
-from ...engines.registry import settings_of, tiers
+from ...engines.registry import REFERENCE, settings_of, tiers
 from ...engines.runner import HERE, Run, Runs
 from ...judge.measure import Measurement, measure
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain
-from .row import SpeedRow
 from .timing import NO_CLOCK, Budget, take_turns
-from .work_precision import contests, in_doubt
+from .work_precision import LEVELS, TIE, SpeedRow, contenders, groups, solved
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
+DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
 
 
 def speed_table(
@@ -57,6 +60,35 @@ def speed_table(
         if times and number not in failed:
             table[able[number]] = replace(table[able[number]], **_seconds(times), timed_runs=len(times))
     return table
+
+
+def contests(speed: Sequence[SpeedRow]) -> list[NDArray[np.intp]]:
+    """The sets of settings, by their places in the table, of which the fastest is asked for.
+
+    One for every group, level and contender, and one for all engines besides the reference.
+    """
+    places = {id(row): place for place, row in enumerate(speed)}
+    sets = [rows for *_, rows in contenders(solved(speed))]
+    sets.append([row for row in solved(speed) if not row.note and row.engine != REFERENCE])
+    rivals = (
+        tuple(places[id(row)] for row in rows if row.error(f"{group}_max") <= limit)
+        for group, limit, rows in product(groups(speed), LEVELS.values(), sets)
+    )
+    return [np.array(rows) for rows in dict.fromkeys(rivals) if len(rows) > 1]
+
+
+def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> list[int]:
+    """The settings whose times, s, more rounds should make sure of, by their places.
+
+    Those are near the limit up to which settings of a contest are level, and the fastest of that contest.
+    """
+    doubtful: set[int] = set()
+    for places in contests:
+        ratio = np.array(times)[places] / min(times[place] for place in places)
+        near = (np.abs(np.log(ratio / (1 + TIE))) < np.log(DOUBT)) & (ratio > 1)
+        if near.any():
+            doubtful |= {int(place) for place in places[near | (ratio == 1)]}
+    return sorted(doubtful)
 
 
 def steps_per_cycle(settings: Settings) -> int | None:

@@ -1,4 +1,4 @@
-"""Results of a speed table: the cheapest setting for every error, orders of convergence, the cost of a step.
+"""The rows of a speed table, and their results: cheapest settings for errors, orders of convergence, costs of a step.
 
 Settings with a note, such as an engine's own defaults or fictitious masses, compete apart: they have their own rows in
 every comparison and are never the cheapest, since nobody should take them, or since they are no independent check.
@@ -14,14 +14,12 @@ from math import isnan, nan
 from operator import attrgetter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import Settings, Status
 from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE, WORK_PRECISION, settings_of, tiers
 from ...mechanics.mechanics import SHOWN_GROUPS
-from .row import SpeedRow
 
 LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6, "1e-8": 1e-8}
 # Of the fastest time. While another program runs on the same core, Exudyn's solves of the toggle press take 1.75 times
@@ -30,11 +28,49 @@ TIE = 0.5
 # What is named may change from run to run where a ratio is near the limit of a tie; up to this one it is called level
 # all the same: two runs whose times are up to a sixth apart differ in what they name only where both call it level.
 ALIKE = 0.75
-DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
 ABOVE_FLOOR = 10.0  # times the floor: there the floor is a tenth of the error at most
 LEAST_POINTS = 3  # of a fit, so that it has a residual
 STRAIGHT = 0.02  # decades: where theory holds errors lie on a line as well as this
 LAST, SETTLED = 2, 0.25  # local orders, as far apart: two whole orders, one apart, are four times as far
+
+
+@dataclass(frozen=True)
+class SpeedRow:
+    """One setting of one engine: what it is, how its runs ended, their times, s, and errors."""
+
+    engine: str
+    setting: str
+    role: str
+    tier: str  # the names of the accuracies that it is offered for
+    family: str
+    expected_order: float | None
+    note: str
+    steps: float  # a cycle, of the coarsest run, rounded up as engines do; NaN of settings that take none
+    samples_a_turn: int
+    status: str
+    reason: str
+    build_s: float
+    solve_min_s: float
+    solve_median_s: float
+    solve_spread_s: float
+    solve_wall_s: float
+    read_s: float
+    timed_runs: int
+    errors: Mapping[str, float]  # `reaction_max`, `reaction_rms` and so on: the largest of a channel group
+    steps_made: float
+    counters: Mapping[str, int]
+
+    def error(self, name: str) -> float:
+        """An error, NaN where it is not known."""
+        return self.errors.get(name, nan)
+
+    @property
+    def cells(self) -> dict[str, object]:
+        """The row as a table has it, by column."""
+        cells = dict[str, object]()
+        for name, value in vars(self).items():
+            cells |= self.errors if name == "errors" else {name: value}
+        return cells | {"counters": " ".join(f"{name}={count}" for name, count in self.counters.items())}
 
 
 @dataclass(frozen=True)
@@ -153,35 +189,6 @@ def standing(points: Iterable[SpeedRow], error: str, limit: float) -> dict[str, 
     near = {engine: time <= (1 + TIE) * min(fastest.values()) for engine, time in fastest.items()}
     first = "cheapest" if sum(near.values()) == 1 else "level"
     return {engine: first if is_near else "dearer" for engine, is_near in near.items()}
-
-
-def contests(speed: Sequence[SpeedRow]) -> list[NDArray[np.intp]]:
-    """The sets of settings, by their places in the table, of which the fastest is asked for.
-
-    One for every group, level and contender, and one for all engines besides the reference.
-    """
-    places = {id(row): place for place, row in enumerate(speed)}
-    sets = [rows for *_, rows in contenders(solved(speed))]
-    sets.append([row for row in solved(speed) if not row.note and row.engine != REFERENCE])
-    rivals = (
-        tuple(places[id(row)] for row in rows if row.error(f"{group}_max") <= limit)
-        for group, limit, rows in product(groups(speed), LEVELS.values(), sets)
-    )
-    return [np.array(rows) for rows in dict.fromkeys(rivals) if len(rows) > 1]
-
-
-def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> list[int]:
-    """The settings whose times, s, more rounds should make sure of, by their places.
-
-    Those are near the limit up to which settings of a contest are level, and the fastest of that contest.
-    """
-    doubtful: set[int] = set()
-    for places in contests:
-        ratio = np.array(times)[places] / min(times[place] for place in places)
-        near = (np.abs(np.log(ratio / (1 + TIE))) < np.log(DOUBT)) & (ratio > 1)
-        if near.any():
-            doubtful |= {int(place) for place in places[near | (ratio == 1)]}
-    return sorted(doubtful)
 
 
 def within(engine: str, accuracy: float, speed: Sequence[SpeedRow]) -> list[Settings]:

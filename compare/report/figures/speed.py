@@ -11,8 +11,7 @@ from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
 from ...judge.errors import group_floors
-from ...measure.speed.row import SpeedRow
-from ...measure.speed.work_precision import contenders, families, front, groups, solved
+from ...measure.speed.work_precision import SpeedRow, contenders, families, front, groups, solved
 from ...mechanics.axis import cycle_name
 from ...study import Study
 from ..tables.speed import contender

@@ -6,8 +6,8 @@ from itertools import repeat
 from math import inf, nan
 from typing import Any
 
-from compare.measure.speed.row import SpeedRow
 from compare.measure.speed.timing import Budget
+from compare.measure.speed.work_precision import SpeedRow
 from compare.mechanics.reference import Reference
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status
 from scenes.elements import PLAIN_KINDS

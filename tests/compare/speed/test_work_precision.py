@@ -7,14 +7,13 @@ from math import nan
 import numpy as np
 import pytest
 
-from compare.measure.speed.row import SpeedRow
+from compare.measure.speed.speed_table import contests, in_doubt
 from compare.measure.speed.work_precision import (
+    SpeedRow,
     above_floor,
     as_fast,
     choices,
-    contests,
     front,
-    in_doubt,
     orders,
     step_costs,
 )
