@@ -1,6 +1,6 @@
 """Numbers for a reader: quantities in the units of a page, shares in per cent, errors as short powers of ten."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from math import floor, isfinite, isinf, isnan, log10, pi
 from typing import TypeAlias
 
@@ -23,23 +23,19 @@ PLAIN_PERCENT = 1e-6  # what is less is no longer told apart, %
 TINY = 1e-4  # in its unit: what is less has a power of ten
 
 
-def units(*references: Reference) -> Units:
-    """Units of a page, of all its scenes: one for each kind of quantity, in which its peak reads between 1 and 10,000.
+def units(reference: Reference) -> Units:
+    """Units of a page: one for each kind of quantity, in which its peak over the cycle reads between 1 and 10,000.
 
-    Lengths and their rates are in the unit of the scene's file where it suits them; work is not among them.
+    Lengths and their rates are in the unit of the scene's file where it suits them; work is not among them. The size of
+    places is their travel, that of rates and forces their peak.
     """
-    sizes = [pair for of in references for pair in _sizes(of)]
-    return suited(references[0].scene.units["length"], sizes)
-
-
-def _sizes(reference: Reference) -> Iterator[tuple[str, float]]:
-    """Yield by SI unit how large its channels are over the cycle: places by their travel, rates and forces by peaks."""
-    cycle, drive = reference.cycle, reference.scene.drive
+    cycle, drive, sizes = reference.cycle, reference.scene.drive, list[tuple[str, float]]()
     for channel, size in reference.scale.items():
         unit = UNITS[quantity(channel)]
-        yield unit, float(magnitude(cycle, channel).max()) if unit in RATES and channel in cycle else size
+        sizes.append((unit, float(magnitude(cycle, channel).max()) if unit in RATES and channel in cycle else size))
     if (effort := reference.scene.effort_channel) in cycle:
-        yield "W", float(np.abs(cycle[effort] * drive.at(cycle["time"]).rate).max())
+        sizes.append(("W", float(np.abs(cycle[effort] * drive.at(cycle["time"]).rate).max())))
+    return suited(reference.scene.units["length"], sizes)
 
 
 def suited(length: tuple[str, float], sizes: Iterable[tuple[str, float]]) -> Units:

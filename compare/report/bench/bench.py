@@ -43,7 +43,7 @@ class Bench:
     """A report's linkage, to be solved by the page at the samples of its moving picture."""
 
     def __init__(self, study: Study, moving: MovingPicture) -> None:
-        self.study, self.scene, self.moving, self.rows = study, study.scene, moving, moving.rows
+        self.study, self.scene, self.rows = study, study.scene, moving.rows
         self.program: Mapping[str, Any] = {}  # nothing where the page cannot solve the linkage
         if study.sampling.channels is None:
             position, time = (study.motion[channel][self.rows] for channel in (self.scene.drive_channel, "time"))

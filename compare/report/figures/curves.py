@@ -108,7 +108,8 @@ def _all_panels(reference: Reference) -> Iterator[Panel]:
 
 def error(study: Study, panel: Panel, comparison: Comparison) -> Samples:
     """The error of what an engine has of a panel, shape (n,), no less than the reference's floor; NaN: none."""
-    worst: Samples = np.max([comparison.actual[c] for c in panel.judged if c in comparison.actual], axis=0)
+    known = [comparison.actual[c] for c in panel.judged if c in comparison.actual]
+    worst: Samples = np.max(known or [np.full(len(comparison.axis), np.nan)], axis=0)
     floor = _floor(study, panel)
     return np.maximum(worst, floor) if floor else np.where(worst > 0, worst, np.nan)
 

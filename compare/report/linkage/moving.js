@@ -266,7 +266,7 @@ const stop = () => {
   playing = null;
   find(".play").textContent = "Play";
 };
-const play = once => {
+const play = () => {
   const start = value("time", 0), span = value("time", count - 1) - start;
   find(".play").textContent = "Pause";
   marked = "";
@@ -275,7 +275,6 @@ const play = once => {
     if (playing !== step) return;
     share += Math.min(Math.max(moment - last, 0), FRAME) / LONG;
     last = moment;
-    if (once && share >= 1) return stop(), show(0);
     show(rows.findLast(n => value("time", n) <= start + (share % 1) * span));
     requestAnimationFrame(step);
   };

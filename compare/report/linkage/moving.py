@@ -90,12 +90,9 @@ class MovingPicture:
         own = self._samples(self.study.motion)
         tables = [np.array([own[channel] for channel in self._channels])]
         for comparison, motion in self.engines.values():
-            samples, known = self._samples(motion), comparison.actual.keys() if comparison else set[str]()
+            samples, none = self._samples(motion), np.full(len(own["time"]), np.nan)
             off = [samples[channel] - own[channel] for channel in self._compared]
-            none = np.full(len(own["time"]), np.nan)
-            errors = (
-                error(self.study, p, comparison) if comparison and known & {*p.judged} else none for p in self.panels
-            )
+            errors = [error(self.study, panel, comparison) if comparison else none for panel in self.panels]
             tables.append(np.array([*off, *errors]))
         return tables
 

@@ -63,12 +63,25 @@ def answers(
     """
     over, (whole, at_joints) = axis(scene), parted(peaks)
     was = {(peak.name, peak.of): peak.value for peak in before}
-    shown, joints = ([_answer(over, p, units, was.get((p.name, p.of))) for p in some] for some in (whole, at_joints))
-    for row, peak in enumerate(whole):
-        if peak in at_joints:
-            largest = next((old.value for old in parted(before)[0] if quantity(old.channel) in OF_A_PIN), None)
-            shown[row] = _answer(over, peak, units, largest)._replace(name="Largest pin force", of=peak.of)
-    return shown, joints
+    largest_was = next((old.value for old in parted(before)[0] if quantity(old.channel) in OF_A_PIN), None)
+
+    def answer(peak: Peak, *, largest: bool = False) -> Answer:
+        sizes = [size for size in peak.differs.values() if not isnan(size)]
+        return Answer(
+            name="Largest pin force" if largest else capital(peak.name),
+            meaning=MEANINGS.get(peak.name, ""),
+            text=written(peak.value, peak.unit, units),
+            value=peak.value,
+            unit=peak.unit,
+            of=peak.of if largest else "",
+            place=pose_button(over, peak.channel, peak.position),
+            direction="" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
+            differ=percent(max(sizes)) if sizes else "–",
+            each=", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
+            before=_before(peak, largest_was if largest else was.get((peak.name, peak.of)), units),
+        )
+
+    return [answer(peak, largest=peak in at_joints) for peak in whole], [*map(answer, at_joints)]
 
 
 def _before(peak: Peak, was: float | None, units: Units) -> str:
@@ -95,23 +108,6 @@ def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
     drives = (row for row, peak in enumerate(whole) if quantity(peak.channel) in OF_THE_DRIVE)
     whole[(at := next(drives, len(whole))) : at] = sorted(pins, key=lambda peak: peak.value)[-1:]
     return whole, at_joints
-
-
-def _answer(over: DriveAxis, peak: Peak, units: Units, was: float | None) -> Answer:
-    sizes = [size for size in peak.differs.values() if not isnan(size)]
-    return Answer(
-        name=capital(peak.name),
-        meaning=MEANINGS.get(peak.name, ""),
-        text=written(peak.value, peak.unit, units),
-        value=peak.value,
-        unit=peak.unit,
-        of="",
-        place=pose_button(over, peak.channel, peak.position),
-        direction="" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
-        differ=percent(max(sizes)) if sizes else "–",
-        each=", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
-        before=_before(peak, was, units),
-    )
 
 
 def pose_button(over: DriveAxis, channel: str, position: float) -> PoseButton | None:
