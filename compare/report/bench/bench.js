@@ -70,7 +70,7 @@ const compare = () => bench.asked.forEach((one, r) => {
 });
 
 const update = () => {
-  isEdited = edited.some((number, k) => number !== design[k] && bench.numbers[k].free);
+  isEdited = edited.some((number, k) => number !== design[k] && bench.numbers[k].size);
   solve(edited, rowsNow);
   if (isEdited) fill(rowsNow);
   else numbers.set(run.numbers), Object.assign(head.ground, structuredClone(run.ground));
@@ -173,8 +173,8 @@ for (const pin of svg.querySelectorAll("[data-point]:has(> .pin)")) {
 
 const toml = () => {
   const tables = structuredClone(bench.tables);
-  bench.numbers.forEach(({ path, size, free }, k) => {
-    if (edited[k] === design[k] || !free) return;
+  bench.numbers.forEach(({ path, size }, k) => {
+    if (edited[k] === design[k] || !size) return;
     const parts = path.split("."), last = parts.pop(), turned = last.split("-").reverse().join("-");
     const table = parts.reduce((inner, part) => inner[part], tables);
     table[turned in table ? turned : last] = +(edited[k] / size).toPrecision(12);

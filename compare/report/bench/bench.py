@@ -56,12 +56,10 @@ class Bench:
         scene, values = self.scene, self.program["values"]
         kept = sorted({*np.linspace(0, len(self.rows) - 1, EXACT).round().astype(int).tolist()})
         samples = [self.study.motion[channel][self.rows[kept]] for channel in self.program["channels"]]
-        of = [scene.numbers.get(path) for path in self.program["numbers"]]  # None: where a stroke ends
-        numbers = [
-            {"path": path, "value": value, "free": own is not None}
-            | ({"size": scene.size(own), "zero": own.quantity.zero} if own is not None else {})
-            for path, value, own in zip(self.program["numbers"], values, of, strict=True)
-        ]
+        numbers = [{"path": path, "value": value} for path, value in zip(self.program["numbers"], values, strict=True)]
+        for number in numbers:
+            if (own := scene.numbers.get(number["path"])) is not None:  # rather than where a stroke ends
+                number |= {"size": scene.size(own), "zero": own.quantity.zero}
         data = {
             **self.program,
             "numbers": numbers,

@@ -44,8 +44,7 @@ def verdict(study: Study) -> str:
 
 def notes(study: Study) -> list[str]:
     """The notes of settings, by the engine's name in the tables."""
-    pairs = dict.fromkeys((engine, note) for engine, note, _ in contenders(solved(study.speed)) if note)
-    return [f"{engine}: {note}" for engine, note in pairs]
+    return [f"{engine}: {note}" for engine, note, _ in contenders(solved(study.speed)) if note]
 
 
 def cheapest_settings(study: Study) -> dict[str, TableRows]:
