@@ -53,16 +53,15 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
     if isinstance(scene.drive, ConstantSpeed):
         request = Positions(tuple(positions(scene, nearest_lock(reference)).tolist()))
     true = _certified(scene, request)
-    decided, peak = np.ones(true["time"].shape, bool), {c: float(magnitude(true, c).max()) for c in mechanics.units}
+    peak = {c: float(magnitude(true, c).max()) for c in mechanics.units}
     size = {c: value if value > ZERO * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
-    decided[on_switch(reference.acts(true))] = False
-    motion = reference.at(true[scene.drive_channel], true["time"])
-    errors = {c: np.where(decided, error, -1.0) for c, error in relative_errors(motion, true, size).items()}
+    decided = np.setdiff1d(np.arange(len(true["time"])), on_switch(reference.acts(true)))
+    errors = relative_errors(reference.at(true[scene.drive_channel], true["time"]), true, size)
     changes = _changes(scene, request, true, size)
     digits = {}
     for group in SHOWN_GROUPS:
         if mine := [channel for channel in errors if mechanics.groups[channel] == group]:
-            worst = float(np.max([errors[channel] for channel in mine]))
+            worst = float(np.max([errors[channel][decided] for channel in mine], initial=0.0))
             condition = max(1.0, *(float(changes[channel][decided].max(initial=0.0)) for channel in mine))
             lost = log10(max(worst / EPS, 1.0))  # none below one unit in the last place
             digits[group] = {"lost": lost, "allowed": log10(condition) + 1}
