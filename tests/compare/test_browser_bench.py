@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.browser
+CURVES = """async () => {
+  for (let frame = 0; frame < 2; frame++) await new Promise(requestAnimationFrame);
+  const [panel] = document.querySelector('.plot').plot.panels;
+  return panel.traces.flatMap(({ name, mode }, k) => (mode === 'lines' ? [[name, [...panel.u.data[k + 1][1]]]] : []));
+}"""  # of the first plot, as they are drawn
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +74,19 @@ def test_what_is_edited_is_marked_and_no_engine_has_a_number(undone: "Page") -> 
     first = undone.locator(".readout").first
     undone.wait_for_function("document.querySelector('.readout td:not(:empty)')")
     assert {*first.locator("tr", has_text="exudyn").locator("td").all_text_contents()} == {"–"}
+
+
+def test_the_judged_curve_is_beside_the_edited_one_and_alone_where_all_is_undone(undone: "Page") -> None:
+    undone.locator(".plot").first.scroll_into_view_if_needed()
+    undone.wait_for_function("document.querySelector('.plot .uplot')")
+    ((name, judged),) = undone.evaluate(CURVES)
+    typed(undone, "bodies.toggle.lengths.P2-P4", 761)
+    (_, edited), (beside, as_judged) = undone.evaluate(CURVES)
+    assert beside == f"{name} as judged"
+    assert as_judged == judged
+    assert np.abs(np.subtract(edited, judged)).max() > 0.1  # mm
+    undone.locator(".undo").click()
+    assert undone.evaluate(CURVES) == [[name, judged]]
 
 
 def test_the_scene_that_is_copied_has_the_numbers_shown(undone: "Page", tmp_path: Path) -> None:

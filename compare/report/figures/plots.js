@@ -199,24 +199,22 @@ class Chart {
     return u.posToVal(clientX - u.over.getBoundingClientRect().left, "x");
   }
 
-  set(name, y, x) { // of a curve of the first panel; it is drawn with the next frame
-    this.replace(this.panels[0].traces.find(trace => trace.name === name && trace.mode !== "markers"), y, x);
-    this.soon ??= requestAnimationFrame(() => this.refresh());
-  }
-
   replace(trace, y, x = trace.x) {
     const panel = this.panels.find(({ traces }) => traces.includes(trace));
     this.read(Object.assign(trace, { x, y }), panel.x, panel.y);
   }
 
-  ghost(shown) { // the curves of the first panel as they are, dotted, while others are in their places
-    const [panel] = this.panels, ghosts = panel.traces.filter(({ of }) => of);
-    if (shown === ghosts.length > 0) return;
+  edit(curves, x) { // of the first panel, by name; those judged are dotted meanwhile, and back where there are none
+    const [panel] = this.panels, judged = panel.traces.filter(({ of }) => of);
+    const lines = panel.traces.filter(({ mode, of }) => mode === "lines" && !of);
     const faint = of => ({ ...of, of, name: `${of.name} as judged`, showlegend: false, opacity: 0.6, line: { ...of.line, dash: "dot" } });
-    if (shown) panel.traces.push(...panel.traces.filter(({ mode }) => mode === "lines").map(faint));
-    else panel.traces = panel.traces.filter(({ of }) => !of);
-    for (const { of, x, y } of ghosts) this.replace(of, y, x);
-    this.build();
+    if (!curves.length && !judged.length) return;
+    if (!judged.length) panel.traces.push(...lines.map(faint));
+    for (const [name, y] of curves) this.replace(lines.find(trace => trace.name === name), y, x);
+    if (!curves.length) judged.forEach(({ of, x, y }) => this.replace(of, y, x));
+    if (!curves.length) panel.traces = panel.traces.filter(({ of }) => !of);
+    if (!curves.length || !judged.length) this.build();
+    this.soon ??= requestAnimationFrame(() => this.refresh());
   }
 
   band(low, high, x) { // of the first panel, from a curve to another one; without them none

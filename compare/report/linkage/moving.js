@@ -217,8 +217,8 @@ class Plot {
 
   edit() { // the curves of the design as it is now
     if (!this.drawn || !this.near || !this.curves.length) return;
-    this.drawn.ghost(isEdited);
-    for (const curve of isEdited ? this.curves : []) this.drawn.set(curve.name, rows.map(n => plotted(curve, n)), rows.map(over));
+    const curves = isEdited ? this.curves.map(curve => [curve.name, rows.map(n => plotted(curve, n))]) : [];
+    this.drawn.edit(curves, rows.map(over));
   }
 
   show(n) {
