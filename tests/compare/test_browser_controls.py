@@ -281,10 +281,10 @@ def test_values_of_a_curve_are_replaced_within_a_frame(report: "Page") -> None:
     drawn = report.evaluate(
         """async () => {
           const { plot } = document.querySelector('.plot'), frame = () => new Promise(requestAnimationFrame);
-          const [{ traces: [{ name, y }] }] = plot.panels, now = () => plot.panels[0].u, times = [];
+          const [{ traces: [trace] }] = plot.panels, { y } = trace, now = () => plot.panels[0].u, times = [];
           const before = now().scales.y.max;
           for (let n = 0; n < 30; n++) {
-            plot.set(name, y.map(v => v + n));
+            plot.replace(trace, y.map(v => v + n));
             await frame();
             const start = performance.now();
             plot.refresh();
@@ -292,8 +292,8 @@ def test_values_of_a_curve_are_replaced_within_a_frame(report: "Page") -> None:
             times.push(performance.now() - start);
           }
           const moved = now().scales.y.max - before, kept = now().data[1][1][0] - y[0];
-          plot.set(name, y);
-          await frame();
+          plot.replace(trace, y);
+          plot.refresh();
           await null;
           return { moved, kept, back: now().scales.y.max - before, median: times.sort((a, b) => a - b)[15] };
         }"""

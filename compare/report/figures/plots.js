@@ -250,12 +250,7 @@ const compiled = (ratio = devicePixelRatio) =>
 const sharp = once(() => compiled(SHARP)), uPlot = once(() => compiled()), figures = once(() => JSON.parse(packed));
 const chart = place => (place.plot ??= new Chart(place, figures()[place.dataset.figure]));
 const inTurn = job => (turn = turn.then(() => new Promise(done => setTimeout(() => done(job())))));
-const draw = place => {
-  inTurn(figures);
-  inTurn(uPlot);
-  inTurn(() => chart(place));
-  inTurn(() => chart(place).build());
-};
+const draw = place => [figures, uPlot, () => chart(place), () => chart(place).build()].forEach(job => inTurn(job));
 const resized = new ResizeObserver(all => all.forEach(({ target, contentRect: { width } }) => {
   if (width && target.plot?.width && Math.abs(width - target.plot.width) > 1) draw(target);
 }));
