@@ -86,8 +86,8 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
     movers += [*points(root, drawing), *circles(root, drawing)]
     for force in drawing.arrows:
         movers += arrow(root, drawing, force)
+    corner = SubElement(root, "g", {"transform": f"translate(0 {height:.1f})"})
     if drawing.scale_text:
-        corner = SubElement(root, "g", {"transform": f"translate(0 {height:.1f})"})
         note = SubElement(corner, "text", {"class": "sign scale", "x": "8", "y": "-8"})
         SubElement(note, "tspan", {"class": "joint"}).text = "joint forces"
         if any(force.load for force in drawing.arrows):
@@ -95,7 +95,6 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
             SubElement(note, "tspan", {"class": "load"}).text = "loads"
         note[-1].tail = f": {drawing.scale_text}"
     if drawing.circles:
-        corner = SubElement(root, "g", {"transform": f"translate(0 {height:.1f})"})
         larger = f", {drawing.larger} times as large" if drawing.larger > 1 else ""
         SubElement(corner, "text", {"class": "sign scale", "x": "8", "y": "-28"}).text = f"friction circles{larger}"
     for mover in movers:
