@@ -17,8 +17,7 @@ from .judge.floor import establish
 from .judge.judgement import judgement
 from .judge.measure import offers, promising
 from .measure.speed import work_precision
-from .measure.speed.speed_table import speed_table
-from .measure.speed.timing import NO_CLOCK, Budget
+from .measure.speed.speed_table import NO_CLOCK, Budget, speed_table
 from .measure.speed.work_precision import SpeedRow
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import ChannelError, compare, error_table, shown_groups
 from compare.judge.measure import Measurement
-from compare.measure.speed.timing import Again, Budget, take_turns
+from compare.measure.speed.speed_table import Again, Budget, take_turns
 from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from compare.mechanics.reference import Reference
 from compare.study import Study, study
@@ -55,7 +55,7 @@ def only_few_settings() -> Iterator[None]:
         for module in ("measure.speed.speed_table", "study"):
             patch.setattr(f"compare.{module}.settings_of", first)
         patch.setattr("compare.judge.floor.FLOOR_SAMPLES", 12)
-        patch.setattr("compare.measure.speed.timing.LEAST_ROUNDS", 1)
+        patch.setattr("compare.measure.speed.speed_table.LEAST_ROUNDS", 1)
         patch.setattr("compare.measure.speed.speed_table.take_turns", once)
         yield
 

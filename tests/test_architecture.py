@@ -27,14 +27,14 @@ FORBIDDEN = {  # by module what it must not import
     "scenes.scene": "compare.run",
     "compare.engines.registry": "sim_models.pymunk.settings",
     "compare.run": "papers.audit linkage_crosscheck.pytest_plugin",
-    "compare.judge.checks": "analytic.solve compare.measure.speed.timing compare.measure.hard.case"
+    "compare.judge.checks": "analytic.solve compare.measure.speed.speed_table compare.measure.hard.case"
     " compare.measure.many.grid compare.judge.canaries.canaries compare.contract.asked",
     "compare.engines.runner": "compare.judge.measure compare.mechanics.reference",
-    "compare.measure.speed.timing": "compare.measure.hard.case compare.study",
+    "compare.measure.speed.speed_table": "compare.measure.hard.case compare.study",
     "compare.measure.hard.case": "compare.measure.many.grid compare.judge.canaries.canaries",
-    "compare.measure.many.grid": "compare.measure.speed.timing compare.report.pages.html",
+    "compare.measure.many.grid": "compare.measure.speed.speed_table compare.report.pages.html",
     "compare.mechanics.reference": "compare.judge.checks",
-    "compare.judge.canaries.canaries": "compare.measure.speed.timing",
+    "compare.judge.canaries.canaries": "compare.measure.speed.speed_table",
     "compare.study": "compare.report.pages.html",
     "compare.report.pages.html": "compare.run",
     "compare.report.numbers": "compare.cli.report compare.ci.github",

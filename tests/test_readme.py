@@ -11,8 +11,7 @@ import compare
 from compare.engines.registry import DEFAULT_ENGINES, REFERENCE, settings_of
 from compare.judge.agreement import Judgement
 from compare.judge.errors import group_floors, shown_groups
-from compare.measure.speed.speed_table import speed_table
-from compare.measure.speed.timing import Budget
+from compare.measure.speed.speed_table import Budget, speed_table
 from compare.measure.speed.work_precision import choices
 from scenes import write_starter
 from tests.comparisons import SLOW

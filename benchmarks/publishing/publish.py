@@ -14,7 +14,7 @@ from benchmarks.publishing.first_screen import FILE, first_screen
 from compare.engines.kept import environment
 from compare.engines.registry import DEFAULT_ENGINES
 from compare.measure.hard.case import forget, hard_cases
-from compare.measure.speed.timing import Budget
+from compare.measure.speed.speed_table import Budget
 from compare.report.figures.curves import over_angle, panels
 from compare.report.figures.offline import offline
 from compare.report.figures.speed import work_precision

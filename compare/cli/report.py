@@ -22,7 +22,7 @@ from ..judge.errors import shown_groups
 from ..judge.floor import UnsolvedError, solvable
 from ..judge.measure import Miss
 from ..measure.many.grid import grid
-from ..measure.speed.timing import Budget
+from ..measure.speed.speed_table import Budget
 from ..report.output import files
 from ..report.output.earlier import Change, Summary, before, last
 from ..report.plain import plain

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from compare.engines import registry
-from compare.measure.speed.timing import LEAST_ROUNDS, PATIENCE
+from compare.measure.speed.speed_table import LEAST_ROUNDS, PATIENCE
 from compare.report.output.files import _write_motion
 from compare.run import main
 from scenes import Motion, Scene

@@ -12,7 +12,7 @@ import scenes
 from compare.engines import registry
 from compare.engines.processes.stopping import Stopped, stoppable
 from compare.engines.registry import DEFAULT_ENGINES
-from compare.measure.speed.timing import Budget
+from compare.measure.speed.speed_table import Budget
 from compare.report.output.files import REPORT, _may_be_complete
 from compare.run import main
 from compare.study import study

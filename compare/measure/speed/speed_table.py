@@ -1,12 +1,17 @@
-"""Every setting of every engine: errors and times, taken in separate runs."""
+"""Every setting of every engine: errors and times, taken in separate runs.
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+Runs take turns under the clock of what runs them; those whose times decide a comparison, until they are known. It
+counts processor time, of all threads together. On an idle machine that is the time on the wall, which stands beside it;
+on a busy one other programs make a run wait, and the time on the wall is as much theirs as the run's.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, product
+from itertools import accumulate, chain, groupby, product
 from math import ceil, inf, nan
 from statistics import median
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +24,29 @@ from ...engines.runner import HERE, Run, Runs
 from ...judge.measure import Measurement, measure
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain
-from .timing import NO_CLOCK, Budget, take_turns
 from .work_precision import LEVELS, TIE, SpeedRow, contenders, groups, solved
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
 DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
+LEAST_ROUNDS = 3  # for a minimum, a median and a spread
+PATIENCE = 0.3  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
+# The three fastest solves within this of each other: chance alone would hardly repeat a lucky one. Two runs may be
+# three times as far apart and name the same setting, or call both level.
+AGREE = 0.05
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much may be spent on speed: `LEAST_ROUNDS`, fewer of slow settings, up to `rounds` while `seconds` last."""
+
+    rounds: int
+    seconds: float  # of processor time, of the runs in the rounds beyond the least
+    full: bool = False
+    point_s: float = 1.0  # of processor time, one run of one setting; what takes longer is not repeated
+
+
+Again: TypeAlias = Callable[[Sequence[int]], Sequence[Run]]  # runs settings, by their places, one after the other
+NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are those of the error runs
 
 
 def speed_table(
@@ -60,35 +83,6 @@ def speed_table(
         if times and number not in failed:
             table[able[number]] = replace(table[able[number]], **_seconds(times), timed_runs=len(times))
     return table
-
-
-def contests(speed: Sequence[SpeedRow]) -> list[NDArray[np.intp]]:
-    """The sets of settings, by their places in the table, of which the fastest is asked for.
-
-    One for every group, level and contender, and one for all engines besides the reference.
-    """
-    places = {id(row): place for place, row in enumerate(speed)}
-    sets = [rows for *_, rows in contenders(solved(speed))]
-    sets.append([row for row in solved(speed) if not row.note and row.engine != REFERENCE])
-    rivals = (
-        tuple(places[id(row)] for row in rows if row.error(f"{group}_max") <= limit)
-        for group, limit, rows in product(groups(speed), LEVELS.values(), sets)
-    )
-    return [np.array(rows) for rows in dict.fromkeys(rivals) if len(rows) > 1]
-
-
-def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> list[int]:
-    """The settings whose times, s, more rounds should make sure of, by their places.
-
-    Those are near the limit up to which settings of a contest are level, and the fastest of that contest.
-    """
-    doubtful: set[int] = set()
-    for places in contests:
-        ratio = np.array(times)[places] / min(times[place] for place in places)
-        near = (np.abs(np.log(ratio / (1 + TIE))) < np.log(DOUBT)) & (ratio > 1)
-        if near.any():
-            doubtful |= {int(place) for place in places[near | (ratio == 1)]}
-    return sorted(doubtful)
 
 
 def steps_per_cycle(settings: Settings) -> int | None:
@@ -143,5 +137,93 @@ def _row(measurement: Measurement, settings: Settings, role: str, tier: str) -> 
 
 def _seconds(runs: Sequence[Run]) -> dict[str, Any]:
     build, solve, wall = zip(*((run.build_s, run.solve_s, run.wall_s) for run in runs), strict=True)
-    known = {"build_s": min(build), "solve_min_s": min(solve), "solve_median_s": median(solve)}
-    return known | {"solve_spread_s": max(solve) - min(solve), "solve_wall_s": min(wall)}
+    least = {"build_s": min(build), "solve_min_s": min(solve), "solve_median_s": median(solve)}
+    return least | {"solve_spread_s": max(solve) - min(solve), "solve_wall_s": min(wall)}
+
+
+# --- the clock -------------------------------------------------------------------------------------------------------
+
+
+def spent(runs: Iterable[Run]) -> float:
+    """The processor time of runs, s."""
+    return sum(run.build_s + run.solve_s for run in runs)
+
+
+def known(runs: Iterable[Run]) -> bool:
+    """Whether the fastest solve was reached again and again."""
+    fastest = sorted(run.solve_s for run in runs)[:LEAST_ROUNDS]
+    return len(fastest) == LEAST_ROUNDS and fastest[-1] <= (1 + AGREE) * fastest[0]
+
+
+def take_turns(
+    first: Sequence[Run],
+    again: Again,
+    budget: Budget,
+    progress: Progress,
+    in_doubt: Callable[[Sequence[float]], Collection[int]],
+) -> list[list[Run]]:
+    """The runs of every setting in the rounds; none of a slow one that decides nothing.
+
+    One round goes over all settings, so that a slow spell of the machine falls on all of them; each takes part in the
+    least number of rounds as far as its share of the patience lasts. After these only those take part that are in
+    doubt, given the fastest solve of every setting, s, and whose fastest time is not known yet. A stop leaves the times
+    that are known. `first` has the runs that warmed every setting up; those of one engine are neighbours.
+    """
+    times, engines = [list[Run]() for _ in first], [run.engine for run in first]
+
+    def runs_of(n: int) -> list[Run]:
+        return times[n] or [first[n]]
+
+    def fastest(n: int) -> float:
+        return min(run.solve_s for run in runs_of(n))
+
+    def batches() -> Iterator[Sequence[int]]:
+        every, end = range(len(times)), inf  # of the processor time of all runs, after which none begins
+        share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
+        for done in range(max(LEAST_ROUNDS, budget.rounds)):
+            if done == LEAST_ROUNDS:
+                end = spent(chain.from_iterable(times)) + budget.seconds
+            if done < LEAST_ROUNDS:
+                numbers = able = [n for n in able if (done + 1) * spent(runs_of(n)) / len(runs_of(n)) <= share]
+            else:
+                numbers = [n for n in in_doubt([*map(fastest, every)]) if not known(times[n])]
+            for _, settings in groupby(numbers, engines.__getitem__):
+                batch, left = [*settings], end - spent(chain.from_iterable(times))
+                before = accumulate([0.0, *map(fastest, batch)])
+                if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < left]:
+                    progress(f"timing {len(numbers)} settings, round {done + 1}")
+                    yield chosen
+
+    runs = (zip(batch, again(batch), strict=True) for batch in batches())
+    for number, run in kept(chain.from_iterable(runs)):
+        times[number].append(run)
+    return times
+
+
+def contests(speed: Sequence[SpeedRow]) -> list[NDArray[np.intp]]:
+    """The sets of settings, by their places in the table, of which the fastest is asked for.
+
+    One for every group, level and contender, and one for all engines besides the reference.
+    """
+    places = {id(row): place for place, row in enumerate(speed)}
+    sets = [rows for *_, rows in contenders(solved(speed))]
+    sets.append([row for row in solved(speed) if not row.note and row.engine != REFERENCE])
+    rivals = (
+        tuple(places[id(row)] for row in rows if row.error(f"{group}_max") <= limit)
+        for group, limit, rows in product(groups(speed), LEVELS.values(), sets)
+    )
+    return [np.array(rows) for rows in dict.fromkeys(rivals) if len(rows) > 1]
+
+
+def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> list[int]:
+    """The settings whose times, s, more rounds should make sure of, by their places.
+
+    Those are near the limit up to which settings of a contest are level, and the fastest of that contest.
+    """
+    doubtful: set[int] = set()
+    for places in contests:
+        ratio = np.array(times)[places] / min(times[place] for place in places)
+        near = (np.abs(np.log(ratio / (1 + TIE))) < np.log(DOUBT)) & (ratio > 1)
+        if near.any():
+            doubtful |= {int(place) for place in places[near | (ratio == 1)]}
+    return sorted(doubtful)

@@ -10,7 +10,7 @@ import analytic
 from compare.engines import registry
 from compare.engines.runner import Run, run
 from compare.judge.measure import Measurement, gates, measure
-from compare.measure.speed.timing import Budget
+from compare.measure.speed.speed_table import Budget
 from compare.mechanics.reference import Reference
 from compare.study import study
 from scenes import Failure, Motion, Sampling, Settings, Status

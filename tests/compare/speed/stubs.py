@@ -6,7 +6,7 @@ from itertools import repeat
 from math import inf, nan
 from typing import Any
 
-from compare.measure.speed.timing import Budget
+from compare.measure.speed.speed_table import Budget
 from compare.measure.speed.work_precision import SpeedRow
 from compare.mechanics.reference import Reference
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status

@@ -13,8 +13,7 @@ import scenes
 from compare.engines import registry
 from compare.engines.registry import TIERS
 from compare.judge.agreement import Judgement
-from compare.measure.speed.speed_table import speed_table
-from compare.measure.speed.timing import Budget
+from compare.measure.speed.speed_table import Budget, speed_table
 from compare.measure.speed.work_precision import SpeedRow, choices, orders, solved, step_costs
 from compare.mechanics.reference import Reference
 from compare.mechanics.round_off import explain

@@ -7,7 +7,7 @@ from math import inf
 import pytest
 
 from compare.engines.runner import Run
-from compare.measure.speed.timing import Budget, spent, take_turns
+from compare.measure.speed.speed_table import Budget, spent, take_turns
 from scenes import Status
 
 from .stubs import quiet
