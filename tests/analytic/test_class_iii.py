@@ -124,6 +124,31 @@ def test_newton_does_not_jump_over_a_lock() -> None:
         assert np.abs(motion[channel] - expected[channel]).max() <= 1e-12, channel  # roundings; locks are 4 deg away
 
 
+@pytest.mark.parametrize(
+    ("start", "status", "why"),
+    [
+        (0, Status.cannot_assemble, r"the crank turns only from -55\.28\d\d deg to 333\.67\d\d deg, with link"),
+        (-80, Status.cannot_assemble, r"the crank turns only from -55\.28"),
+        (-40, Status.unsupported, "after one turn of the crank link, coupler, left, right are in another pose"),
+    ],
+)
+def test_a_branch_of_more_than_a_turn_ends_where_it_ends(start: int, status: Status, why: str) -> None:
+    """At the ends' angles there are two poses each, and a turn of the crank does not lead from one to the other."""
+    scene = scene_files.load("stephenson_iii", {"drive.start": start})
+    with pytest.raises(Failure, match=why) as caught:
+        analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 73)))
+    assert caught.value.status is status
+
+
+@pytest.mark.parametrize(("start", "end"), [(-50, 60), (320, 200), (-30, 320)])
+def test_on_a_part_of_such_a_branch(start: int, end: int) -> None:
+    scene = scene_files.load("stephenson_iii", {"drive.start": start, "drive.end": end, "drive.speed": end - start})
+    position = scene.drive.after(np.linspace(0, 1, 50))
+    motion, expected = analytic.solve(scene, position), absolute_coordinates.solve(scene, position, 1.0, 0.0)
+    for channel in ("A.x", "B.y", "D.x", "D.y"):
+        assert np.abs(motion[channel] - expected[channel]).max() <= 1e-12, channel  # roundings
+
+
 def test_a_linkage_that_needs_two_turns_is_refused(class_iii: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a turn that is said to end in another pose: the angle does not tell which pose it is."""
     monkeypatch.setattr(continuation, "SAME", -1.0)

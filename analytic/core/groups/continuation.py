@@ -108,7 +108,8 @@ class Track:
 def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
     """Follow the sketch's branch round the turn, along a driven slider's way, or to where it ends on both sides.
 
-    Failure is `cannot_assemble` at the sketch, `unsupported` when a crank turns all the way and ends in another pose.
+    Failure is `cannot_assemble` at the sketch, or where a branch of more than a turn ends on the drive's way, and
+    `unsupported` when a crank turns all the way and ends in another pose.
     """
     first = _begun(scene, group, bodies, placed)
     start, step, turn = scene.sketch.drive, first.step, first.turn
@@ -116,17 +117,22 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     if scene.driven_slide is not None:
         return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
     forward = _march(first, placed, turn)
-    ahead = forward.position[-1] - start
-    if ahead < turn - SMALLEST * step:
-        return _both(_march(first, placed, ahead - turn), forward)
-    if comes_back(forward.q):
+    turns = forward.position[-1] - start >= turn - SMALLEST * step
+    if turns and comes_back(forward.q):
         return forward
-    if most - least > turn - step:
+    both = _both(_march(first, placed, -turn), forward)
+    if np.ptp(both.position) <= turn:
+        return both
+    middle, half = start + remainder((least + most) / 2 - start, turn), (most - least) / 2
+    if half <= turn / 2 - step:  # of a part of a turn, where one angle has one pose
+        return both.rows(np.abs(both.position - middle) <= turn / 2)
+    if turns or (both.position[0] <= middle - half and middle + half <= both.position[-1]):
         why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
         raise Failure(Status.unsupported, why)
-    middle = start + remainder((least + most) / 2 - start, turn)  # of a part of a turn, where one angle has one pose
-    both = _both(_march(first, placed, -turn), forward)
-    return both.rows(np.abs(both.position - middle) <= turn / 2)
+    low, high = map(float, both.position[[0, -1]])
+    ways = f"turns only from {scene.position(low)} to {scene.position(high)}"
+    why = f"the {scene.drive.body} {ways}, with {', '.join(group.bodies)} in a singular configuration at both ends"
+    raise Failure(Status.cannot_assemble, why, at=(high if middle + half > high else low, group.P))
 
 
 def _begun(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
