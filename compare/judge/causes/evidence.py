@@ -171,12 +171,16 @@ def least_squares(columns: NDArray[np.float64], off: Samples) -> Samples:
 
 
 def away_from_switches(evidence: Evidence) -> Evidence:
-    """Return the evidence without the samples on either side of a press force's switch, where rounding decides."""
+    """Return the evidence without the samples on either side of a press force's switch, where rounding decides.
+
+    It stays whole where hardly any of the deviation is elsewhere.
+    """
     acts = np.array([act.any(axis=0) for act in evidence.reference.acts(evidence.true)])
     if not acts.size:
         return evidence
     switched = (np.diff(acts, axis=1) != 0).any(axis=0)
-    return evidence.at(np.flatnonzero(~(np.append(switched, False) | np.append(False, switched))))
+    elsewhere = evidence.at(np.flatnonzero(~(np.append(switched, False) | np.append(False, switched))))
+    return elsewhere if elsewhere.total > EXACT**2 * evidence.total else evidence
 
 
 def evidence(reference: Reference, sampling: Rows, motion: Motion) -> Evidence:

@@ -14,10 +14,11 @@ from compare.judge.causes.cause import Kind
 from compare.judge.causes.evidence import evidence
 from compare.judge.causes.words import words
 from compare.judge.triage import cause, likeliest
-from compare.mechanics.reference import Reference
+from compare.mechanics.reference import Reference, uncertified
 from scenes import Instants, Motion, Scene
 from scenes.model.motion import Samples, channels, force_channels
 from scenes.scene import Force, PressForce
+from tests import scene_files
 from tests.compare.judge.test_triage import spoilt
 from tests.comparisons import SAMPLING, References, commanded
 
@@ -135,6 +136,16 @@ def test_a_load_that_is_switched_late_is_named(references: References) -> None:
     named = cause(reference, SAMPLING, spoilt(motion, wrong))
     assert (named.kind, named.place) == (Kind.load, load.at)
     assert named.amounts == pytest.approx((2 * 1.5 / 72,))
+
+
+@pytest.mark.parametrize(("changed", "said"), [(("force.*", 0.5), "50 % too small"), (("last", 4.0), "last 2.23 mm")])
+def test_a_press_force_that_acts_next_to_its_end_alone(changed: tuple[str, float], said: str) -> None:
+    """Of the motion only samples beside its switches are off, where elsewhere the side of the switch is a rounding."""
+    reference = uncertified(scene_files.load("crank_press", {"loads.0.last": 0.5}))
+    wrong = times(changed[1], reference.scene, f"loads.0.{changed[0]}")
+    named = cause(reference, SAMPLING, solved(wrong, reference))
+    assert (named.kind, named.place) == (Kind.load, "B")
+    assert words(reference.scene, named).endswith(said)
 
 
 def test_of_many_bodies_a_length_is_sought_at_few_samples(
