@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
-from scenes.model.motion import UNITS, quantity
+from scenes.model.motion import UNITS, Samples, quantity
 from scenes.scene import GROUND
 
 Values: TypeAlias = NDArray[Any]  # shape (..., n) of a motion's channels, complex for a vector
@@ -54,6 +54,13 @@ def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[Cyc
     """The quantities for which a motion has the channels; `scale` is by channel what errors are divided by."""
     known = [*_output(scene, scale), *(_forces(scene, scale) if scene.has_masses else ()), *_singular(motion)]
     return [curve for curve in known if all(channel in motion for channel in curve.channels)]
+
+
+def driving(scene: Scene, effort: Samples, motion: Motion) -> tuple[Samples, Samples, Samples]:
+    """How large the drive's effort is, negative against its motion; its power, W; its rate; each of shape (..., n)."""
+    rate = scene.drive.at(motion["time"]).rate
+    with_motion = np.abs(effort) * np.sign(np.where(rate == 0, 1.0, effort * rate))  # what holds still drives
+    return with_motion, effort * rate, rate
 
 
 def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[CycleCurve]:

@@ -22,7 +22,7 @@ from scenes.scene import Load, PressForce, Slide, TableForce
 from ...mechanics.axis import cycle_name
 from ...mechanics.motion_vectors import quintic
 from ...mechanics.scales import chord
-from .curves import CycleCurve, Values
+from .curves import CycleCurve, Values, driving
 
 RowNumbers: TypeAlias = NDArray[np.intp]
 
@@ -88,8 +88,7 @@ def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[Cycle
     """Yield the drive's largest torque or force with its motion and against it, their RMS value, power and work."""
     effort = quantity(scene.effort_channel)
     values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
-    rate = scene.drive.at(time).rate
-    with_motion = np.abs(values) * np.sign(np.where(rate == 0, 1.0, values * rate))  # what holds still drives
+    with_motion, power, rate = driving(scene, values, motion)
     size = np.maximum(np.abs(values).max(axis=-1), NOTHING * curve.scale)
     for name, height in (("driving", with_motion), ("braking", -with_motion)):
         row = height.argmax(axis=-1)
@@ -98,7 +97,7 @@ def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[Cycle
         yield CycleNumber(f"peak {name} {effort}", curve, value, curve.unit, size, np.where(acts, row, -1))
     mean_square = _sum(values**2, time) / (time[..., -1] - time[..., 0])
     yield CycleNumber(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
-    power, fastest = values * rate, np.abs(rate).max(axis=-1)
+    fastest = np.abs(rate).max(axis=-1)
     most = np.maximum(np.abs(power).max(axis=-1), NOTHING * curve.scale * fastest)
     for name, height in (("driving", power), ("braking", -power)):
         row = height.argmax(axis=-1)

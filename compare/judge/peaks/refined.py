@@ -13,12 +13,12 @@ import numpy as np
 from scenes import Failure, Motion, Scene
 from scenes.elements.tables import LoadCurve
 from scenes.model.motion import Samples
-from scenes.scene import MotionLaw, SegmentedLaw
+from scenes.scene import ConstantSpeed, MotionLaw, SegmentedLaw
 
 from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
 from ..checks import closed_by
-from .curves import LEAST, CycleCurve, Values
+from .curves import LEAST, CycleCurve, Values, driving
 from .numbers import at, chords
 
 FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
@@ -28,7 +28,12 @@ AHEAD = 4  # steps beyond three samples: how far a parabola is followed
 
 
 def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
-    """Yield how far each table of a load is beyond each of its entries, (..., n): forces bend where that is zero."""
+    """Yield what is zero where forces bend, (..., n): how far each table of a load is beyond each of its entries.
+
+    So is the rate of a law where its drive turns round: what drove until then brakes.
+    """
+    if not isinstance(scene.drive, ConstantSpeed):
+        yield scene.drive.at(motion["time"]).rate
     for name, table in _tables(scene):
         over = argument(MotionVectors(scene, motion), name, table)
         half_turn = pi / (table.arguments[-1] - table.arguments[0])  # of a sine that is zero once a period
@@ -65,7 +70,7 @@ def refined(
     jump = by_parts or bool(scene.presses)  # whether forces may jump, or bend at any place, within the cycle
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if jump else 1  # samples on either side of a place
-    high = heights(followed, cycle)
+    high = heights(scene, followed, cycle)
     rows = [height.argmax(axis=-1) if jump else _top(height, repeats=repeats) for height in high]
     near = np.stack(rows, axis=-1) * step
     corners = [] if jump else [(n, _zeros(level) * step) for n, level in enumerate(_beyond(scene, cycle))]
@@ -84,7 +89,7 @@ def refined(
         except Failure:
             break
         parts = [*parts, motion] if jump else [cycle, motion]  # the last samples are nearest to an extreme
-        own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(followed, motion))]
+        own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(scene, followed, motion))]
         nearer = [_vertex(around[..., k, :], y) for k, y in enumerate(own)]
         if levels:
             values = [level.reshape(around.shape) for level in _beyond(scene, motion)]
@@ -98,12 +103,15 @@ def refined(
     return in_order(parts)
 
 
-def heights(followed: Sequence[CycleCurve], motion: Motion) -> Iterator[Samples]:
+def heights(scene: Scene, followed: Sequence[CycleCurve], motion: Motion) -> Iterator[Samples]:
     """Yield what is largest at each place that is looked for, each of shape (..., n)."""
     for curve in followed:
         values = curve.values(motion)
         if curve.kind in ("displacement", "effort"):
             yield from (values, -values)
+            if curve.kind == "effort" and not isinstance(scene.drive, ConstantSpeed):
+                with_motion, power, _ = driving(scene, values, motion)
+                yield from (with_motion, -with_motion, power, -power)
         elif curve.kind == "path":
             along = (chords(values)[..., np.newaxis].conj() * values).real
             yield from (along, -along)
