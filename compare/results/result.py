@@ -118,8 +118,9 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {by} at least")
     drive = scene.drive.at(columns["time"]).position
-    cycles = (columns["time"][-1] - columns["time"][0]) / scene.drive.cycle
-    over = f"row{'s' * (rows != 1)}, over {cycles:.2g} cycles of the drive, from {scene.where(float(drive[0]))} on"
+    cycles = f"{np.ptp(columns['time']) / scene.drive.cycle:.2g}"
+    length = f"{cycles} cycle{'s' * (cycles != '1')} of the drive"
+    over = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
     notes = [f"{name} has {rows} {over}"]
     if len(own) < len(known) - 2:
         notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
