@@ -16,7 +16,7 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import GROUND, ConstantSpeed, Friction, PressForce, TorsionSpring
+from scenes.scene import ConstantSpeed, Friction, PressForce, TorsionSpring
 
 from ..channels import all_channels, asked
 from ..core.decomposition import Linkage, decompose
@@ -166,11 +166,13 @@ class RecordedPass(Pass):
 
     def constraints(self, group: Group, q: Sequence[Expression]) -> tuple[list[Expression], list[Expression]]:
         """Return C of a group, in the order of `GroupEquations.open`, and its Jacobian J by q, row by row."""
-        frames, bodies = self.frames(group, q), self.linkage.bodies
+        bodies = self.linkage.bodies
+        z = {body: Traced(self.make, *q[3 * b : 3 * b + 2]) for b, body in enumerate(group.bodies)}
+        angles: Any = {body: Traced(self.make, q[3 * b + 2]) for b, body in enumerate(group.bodies)}
+        u: Any = {**self.k.u, **{body: np.exp(1j * angle) for body, angle in angles.items()}}
 
         def at(body: str, local: Any) -> Any:
-            z, u = frames[body]
-            return z + u * (local if body == GROUND else local - bodies[body].first)
+            return z[body] + u[body] * (local - bodies[body].first) if body in z else self.fixed(body, local)[0]
 
         gaps = []
         for pin in group.pins:
@@ -178,32 +180,20 @@ class RecordedPass(Pass):
             gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
         offsets, turns, driven = [], [], []
         for slider, on in group.slides:
-            slide, u_on = self.scene.slides[slider], frames[on][1]
-            away = frames[slider][0] - at(on, as_complex(slide.through))
-            D = (u_on * as_complex(slide.along)).conjugate() * away  # along the guide, and across it
+            slide = self.scene.slides[slider]
+            away = at(slider, bodies[slider].first) - at(on, as_complex(slide.through))
+            D = (u[on] * as_complex(slide.along)).conjugate() * away  # along the guide, and across it
             offsets.append(D.imag)
-            turns.append((u_on.conjugate() * frames[slider][1]).imag)  # the angle between them, which is zero
+            turns.append((u[on].conjugate() * u[slider]).imag)  # the angle between them, which is zero
             if group.drive == (slider, on):
                 driven = [D.real - self.driven.position]
         if group.drive is not None and self.scene.driven_slide is None:
-            (_, u), (_, u_on) = (frames[name] for name in group.drive)
-            driven = [((u_on * np.exp(1j * self.driven.position)).conjugate() * u).imag]
+            body, on = group.drive
+            driven = [((u[on] * np.exp(1j * self.driven.position)).conjugate() * u[body]).imag]
         others = (traced(self.make, x).x for x in (*offsets, *turns, *driven))
         C = [*(gap.x for gap in gaps), *(gap.y for gap in gaps), *others]
         columns = [forward(self.make, C, {one: self.make.constant(1.0)}) for one in q]
         return C, [entry for row in zip(*columns, strict=True) for entry in row]
-
-    def frames(self, group: Group, q: Sequence[Expression]) -> dict[str, tuple[Any, Any]]:
-        """Return the first points, m, and the attitudes of the group's bodies and of those that it hangs on."""
-        make = self.make
-        frames: dict[str, tuple[Any, Any]] = {GROUND: (traced(make, 0.0), traced(make, 1.0))}
-        for b, body in enumerate(group.bodies):
-            turn: Any = Traced(make, q[3 * b + 2])
-            frames[body] = Traced(make, q[3 * b], q[3 * b + 1]), np.exp(1j * turn)
-        for name in group.hangs_on:
-            if name in self.scene.bodies:
-                frames[name] = self.fixed(name, self.linkage.bodies[name].first)[0], self.k.u[name]
-        return frames
 
 
 class RecordedBalance(FrictionBalance):
