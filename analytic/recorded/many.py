@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -224,14 +224,10 @@ def _stroke_ends(many: Scene, program: Program, tracks: Sequence[Mapping[Group, 
         machine = {path: values[rows] for path, values in numbers.items()}
         return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
 
-    ends, found = dict[str, Samples](), dict[Any, Samples]()  # several forces on one slider have one
+    ends: dict[str, Samples] = {}
     for place, moved in program.strokes.items():
-        closing, extent = many.presses[place].closing, many.drive.extent
-        each = [np.broadcast_to(one, (len(tracks), 1)) for one in (closing, *extent)]
-        stroke = moved, each[0].tobytes()
-        if stroke not in found:
-            move = partial(displaced, StraightLine(moved))
-            of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
-            found[stroke] = np.concatenate(of_parts)[:, np.newaxis]
-        ends[place] = found[stroke]
+        each = [np.broadcast_to(one, (len(tracks), 1)) for one in (many.presses[place].closing, *many.drive.extent)]
+        move = partial(displaced, StraightLine(moved))
+        of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
+        ends[place] = np.concatenate(of_parts)[:, np.newaxis]
     return ends
