@@ -110,15 +110,15 @@ def acts(element: Load | Spring | Twist, place: str, at: Loading) -> Acting:
 
 def _spring(spring: Spring, at: Loading) -> Acting:
     z, v, damping = at.k.z, at.k.v, spring.damping
-    for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
-        if body != GROUND:
-            d: Any = z[other] - z[point]
-            apart = np.abs(d)  # without a free length and a damping there is no pull where ends meet
-            along = d / (chosen(apart + spring.length > 0, apart, 1.0) if damping is None else apart)
-            pull = spring.stiffness * (d - spring.length * along)
-            if damping is not None:
-                pull = pull + damping * dot(along, v[other] - v[point]) * along
-            yield body, ActingForce(pull, z[point])
+    (first, start), (second, end) = spring.first, spring.second
+    d: Any = z[end] - z[start]
+    apart = np.abs(d)  # without a free length and a damping there is no pull where ends meet
+    along = d / (chosen(apart + spring.length > 0, apart, 1.0) if damping is None else apart)
+    pull = spring.stiffness * (d - spring.length * along)
+    if damping is not None:
+        pull = pull + damping * dot(along, v[end] - v[start]) * along
+    yield first, ActingForce(pull, z[start])
+    yield second, ActingForce(-pull, z[end])
 
 
 def twist(spring: Twist, k: Kinematics) -> Any:
