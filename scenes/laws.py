@@ -154,12 +154,6 @@ class SegmentedLaw(Law):
             for piece in (LAWS[law] if law else DWELL)
         ]
 
-    def through(self, cycles: int) -> Sequence[Piece]:
-        """The pieces of so many cycles, and if it is periodic the first of the next one, to which their end belongs."""
-        gain = self.positions[-1] - self.positions[0]
-        every = [piece.moved(n * self.cycle, n * gain) for n in range(cycles + 1) for piece in self.pieces]
-        return every[: cycles * len(self.pieces) + self.periodic]
-
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""
         time, ends, positions = (np.asarray(x, np.float64) for x in (time, self.boundaries, self.positions))
@@ -207,10 +201,6 @@ class HarmonicLaw(Law):
         """The one piece of any time."""
         sines = zip(self.amplitudes, (2 * pi * f for f in self.frequencies), self.phases, strict=True)
         return [Piece(0.0, (self.middle,), [*sines], within=1 / max(self.frequencies))]
-
-    def through(self, _cycles: int) -> Sequence[Piece]:
-        """The one piece of so many cycles."""
-        return self.pieces
 
     @property
     def start(self) -> float:

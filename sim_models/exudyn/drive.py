@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from scenes.laws import Piece
-from scenes.scene import ConstantSpeed, Drive, MotionLaw
+from scenes.scene import ConstantSpeed, Drive, HarmonicLaw, SegmentedLaw
 
 Function: TypeAlias = Callable[[float], float]  # of Exudyn's clock, s
 
@@ -20,15 +20,17 @@ def pieces(drive: Drive, end: float) -> Sequence[Piece]:
     """Cut a drive, from zero to an instant, s, into pieces: a table at the knots where its jerk jumps, or formulas."""
     if isinstance(drive, ConstantSpeed):
         return [Piece(0.0, (drive.start, drive.speed, 0.0, 0.0), within=inf)]
-    cycles = ceil(end / drive.cycle - 1e-9) or 1
-    if not isinstance(drive, MotionLaw):
-        return drive.through(cycles)
-    cubics = [cubic._replace(polynomial=[*map(float, cubic.polynomial)], within=inf) for cubic in drive.pieces]
-    gain = drive.positions[-1] - drive.positions[0]
-    every = [cubic.moved(k * drive.cycle, k * gain) for k in range(cycles) for cubic in cubics]
-    cubed = np.array([cubic.polynomial[CUBED] for cubic in every])
+    if isinstance(drive, HarmonicLaw):
+        return drive.pieces
+    cycles, gain = ceil(end / drive.cycle - 1e-9) or 1, drive.positions[-1] - drive.positions[0]
+    every = [piece.moved(k * drive.cycle, k * gain) for k in range(cycles + 1) for piece in drive.pieces]
+    count = cycles * len(drive.pieces)
+    if isinstance(drive, SegmentedLaw):
+        return every[: count + drive.periodic]  # to the next cycle's first one belongs the end of the last
+    cubics = [cubic._replace(polynomial=[*map(float, cubic.polynomial)], within=inf) for cubic in every[:count]]
+    cubed = np.array([cubic.polynomial[CUBED] for cubic in cubics])
     jumps = np.abs(np.diff(cubed, prepend=np.inf)) > SAME_JERK * np.abs(cubed).max()
-    return [cubic for cubic, jump in zip(every, jumps, strict=True) if jump]
+    return [cubic for cubic, jump in zip(cubics, jumps, strict=True) if jump]
 
 
 class ExudynDrive:
