@@ -1,6 +1,6 @@
 """The core's recorded line for a page: the same formulas as JavaScript, with the inputs that a script cannot find."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from typing import Any
 
@@ -12,11 +12,22 @@ from scenes.arguments import finite_numbers
 
 from ..core.groups.group_equations import Group
 from ..solve import driven_at, solver
-from .arithmetics.in_javascript import script
+from .arithmetics.loops import Language, Loop
+from .expressions import SIGNS, Expression
 from .program import recorded
 from .traced import traced
 
 FIXED = ("drive.start",)  # positions are counted from there
+OPERATIONS = {**SIGNS, "absolute": "Math.abs({})", "where": "({} ? {} : {})"}
+OPERATIONS |= {"arctan2": "Math.atan2({}, {})", "minimum": "Math.min({}, {})", "maximum": "Math.max({}, {})"}
+JAVASCRIPT = Language(OPERATIONS, "Math.{name}({})", "number[{}]", "given[{}][i]", "const {} = {};")
+FUNCTION = """(number, given, row, count) => {{
+const inf = Infinity, nan = NaN;
+{of_number}
+for (let i = 0; i < count; i++) {{
+{of_position}
+}}
+}}"""
 
 
 def page_program(
@@ -50,17 +61,28 @@ def page_program(
     line = script(program.rows)
     given = {**core.given_at(driven.position, instants), **driven._asdict()}
     sense = {place: traced(program.make, load.closing).x for place, load in program.scene.presses.items()}
-    ends = {place: script([*of, sense[place]])._asdict() for place, of in program.strokes.items()}
     values = {**{path: number.value for path, number in scene.numbers.items()}, **core.stroke_ends}
     return {
-        "numbers": line.numbers,
-        "values": [float(values[name]) for name in line.numbers],
+        "numbers": line["numbers"],
+        "values": [float(values[name]) for name in line["numbers"]],
         "channels": [*program.channels],
-        "line": line.text,
-        "given": {name: np.broadcast_to(given[name], instants.shape) for name in line.given},
-        "strokes": ends,
+        "line": line["text"],
+        "given": {name: np.broadcast_to(given[name], instants.shape) for name in line["given"]},
+        "strokes": {place: script([*of, sense[place]]) for place, of in program.strokes.items()},
         "gaps": {
             "joints": [name.partition(" (")[0] for name in program.conditions],
-            **script([*program.conditions.values()])._asdict(),
+            **script([*program.conditions.values()]),
         },
     }
+
+
+def script(expressions: Sequence[Expression]) -> Mapping[str, Any]:
+    """The function that fills as many arrays with the values of expressions, none of them a larger group's.
+
+    Its `text` in JavaScript is of `numbers`, of arrays for each position, by name `given`, each in this order, of the
+    arrays to fill and of their length.
+    """
+    loop = Loop(expressions, JAVASCRIPT)
+    rows = (f"row[{row}][i] = {value};" for row, value in enumerate(loop.values))
+    text = FUNCTION.format(of_number="\n".join(loop.of_number), of_position="\n".join([*loop.of_position, *rows]))
+    return {"text": text, "numbers": loop.numbers, "given": [one.of[0] for one in loop.given]}

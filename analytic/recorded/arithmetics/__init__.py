@@ -1,1 +1,1 @@
-"""What runs a recorded line: NumPy, and machine code; each spells the operations of `walk` in its own words."""
+"""What runs a recorded line: NumPy, machine code, Taylor models; JavaScript is in `page`."""
