@@ -22,8 +22,7 @@ from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quanti
 from ..channels import all_channels
 from ..core.decomposition import decompose
 from ..core.groups.group_equations import Group
-from ..recorded.arithmetics.box_equations import stacked
-from ..recorded.arithmetics.box_line import BoxLine
+from ..recorded.arithmetics.box_line import BoxLine, stacked
 from ..recorded.arithmetics.taylor_models import TaylorModel, joined, parabola_most, point
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded

@@ -1,6 +1,6 @@
 """That larger groups are on one branch all the way: where boxes meet, both have the same pose.
 
-In a box a pose is off its parabola by a ball at most, and in a larger one there is no other (`box_equations`). Two
+In a box a pose is off its parabola by a ball at most, and in a larger one there is no other (`box_line`). Two
 boxes have the same pose at a place where the ball of the one lies within the larger one of the other.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ..recorded.arithmetics.box_equations import alone
+from ..recorded.arithmetics.box_line import alone
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, joined
 
 LEAST = 2.0**-44  # of the whole way: no box is divided further

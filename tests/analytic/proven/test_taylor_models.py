@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
-from analytic.recorded.arithmetics.box_equations import solution
-from analytic.recorded.arithmetics.box_line import BoxLine
+from analytic.recorded.arithmetics.box_line import BoxLine, solution
 from analytic.recorded.arithmetics.taylor_models import RULES, TaylorModel, hull, parabola_most, point
 from analytic.recorded.expressions import Recorder
 
