@@ -57,20 +57,18 @@ class Boxes:
         self.edges = np.array(pieces or drive.extent)
         whole = decompose(scene)
         angles = [f"{group.P}.{TRANSMISSION}" for group in whole.groups if not isinstance(group, Group)]
-        lengths, channels = magnitudes(scene), None
+        parts, channels = {**magnitudes(scene), TRANSMISSION: angles}, None
         if names is not None:
-            every = {*lengths, TRANSMISSION, *(name for own, _ in all_channels(scene, whole.groups) for name in own)}
+            every = {*parts, *(name for own, _ in all_channels(scene, whole.groups) for name in own)}
             known_names("names", names, every)
-            parts = {name: lengths.get(name, angles if name == TRANSMISSION else [name]) for name in names}
-            channels = frozenset(part for own in parts.values() for part in own)
+            channels = frozenset(part for name in names for part in parts.get(name, [name]))
         self.core = prepared(scene, whole, channels)
         self.program = recorded(scene, scene.numbers.keys(), channels, proven=True)
         make, rows = self.program.make, dict(self.program.channels)
-        for name, (x, y) in lengths.items():
-            if x in rows and y in rows:
-                rows[name] = abs(Traced(make, rows[x], rows[y])).x
-        if angles and rows.keys() >= {*angles}:
-            rows[TRANSMISSION] = reduce(partial(make, "minimum"), [rows[angle] for angle in angles])
+        for name, own in parts.items():
+            if own and rows.keys() >= {*own}:
+                of, least = [rows[part] for part in own], partial(make, "minimum")
+                rows[name] = reduce(least, of) if name == TRANSMISSION else abs(Traced(make, *of)).x
         self.names = [name for name in rows if names is None or name in names]
         units = [UNITS[quantity(name)] for name in self.names]
         self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
