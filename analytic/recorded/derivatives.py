@@ -13,8 +13,7 @@ from scenes.model.motion import Samples
 
 from ..solve import driven_at, solver
 from .arithmetics.in_numpy import StraightLine
-from .expressions import Expression
-from .forward import forward
+from .expressions import Expression, forward
 from .program import inputs_at, recorded
 from .traced import traced
 

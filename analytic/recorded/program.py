@@ -29,8 +29,7 @@ from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
 from ..core.rubbing_joints import FrictionBalance
-from .expressions import Closing, Expression, Inputs, Recorder
-from .forward import forward
+from .expressions import Closing, Expression, Inputs, Recorder, forward
 from .traced import Traced, traced
 
 NEARLY_HALF = 3.0  # rad, of a turn
