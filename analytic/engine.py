@@ -83,7 +83,7 @@ class AnalyticSimulation:
         """Raise Failure, `nonfinite`, where the ends of a spring meet that then has no direction."""
         scene, linkage, position = self._solver.scene, self._solver.linkage, self._request.commanded(self._solver.scene)
         springs = [spring for spring in scene.springs if spring.needs_direction]
-        z = motion_at(scene, linkage, position, rates=False).z if springs else {}
+        z = motion_at(scene, linkage, position).z if springs else {}
         for ends in ((spring.first, spring.second) for spring in springs):
             apart = np.abs(z[ends[1][1]] - z[ends[0][1]])
             if not apart.min() > SHORTEST_SPRING * linkage.arm:

@@ -33,7 +33,6 @@ from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Complex, FramePoses, Group, GroupEquations, coordinates, equations_of
 from ..core.groups.newton_group import own_jacobian
 from ..core.kinematics import followed, placed
-from ..core.placing import Kinematics
 from ..recorded.arithmetics.box_line import inverses
 from ..solve import prepared
 from ..way.motion_range import End, motion_at, motion_range
@@ -68,9 +67,9 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
         ways = [drawn]
     several = len(_branches(whole)) == len(whole.groups) and 2 ** len(whole.groups) <= MOST
     known = _circuits(scene, whole, float(at[0])) if circuits and several else {}
-    own, channels, made = _at(scene, drawn, at).z, frozenset(kinematic_channels(scene)[2:]), list[Assembly]()
+    own, channels, made = motion_at(scene, drawn, at).z, frozenset(kinematic_channels(scene)[2:]), list[Assembly]()
     for way in ways:
-        z = _at(scene, way, at).z
+        z = motion_at(scene, way, at).z
         if not all(np.isfinite(z[point]).all() for point in scene.moving_points):
             complete = False  # a group that can turn by itself there: two of its points are in one place
             continue
@@ -85,10 +84,6 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
     return Assemblies(float(at[0]), [*named], complete)
 
 
-def _at(scene: Scene, way: Linkage, at: Samples) -> Kinematics:
-    return motion_at(scene, way, at, rates=False)
-
-
 def _branches(way: Linkage) -> tuple[Any, ...]:
     """Those of the dyads."""
     return tuple(group.branch for group in way.groups if not isinstance(group, Group))
@@ -98,7 +93,7 @@ def _assembled(scene: Scene, before: Linkage, group: Dyad | Group, at: Samples) 
     """A linkage with a group in each of the ways in which it closes, and whether none is missed."""
     if not isinstance(group, Group):
         both = (replace(before, groups=(*before.groups, replace(group, branch=b))) for b in (1, -1))
-        return [way for way in both if not np.any(_at(scene, way, at).reach.get(group.P, np.zeros(1)) < 0)], True
+        return [way for way in both if not np.any(motion_at(scene, way, at).reach.get(group.P, np.zeros(1)) < 0)], True
     equations, frames = equations_of(scene, before.bodies, group), placed(scene, before, group, at).pose
     q, complete = poses(equations, FramePoses(frames.z[0], frames.angle[0]), float(at[0]))
     ways = []

@@ -188,7 +188,7 @@ class ManySolver:
         ending: Ending | None = None
         try:
             core = self.cores.get(machine) or self._core(machine, followed=followed)
-            k = motion_at(core.scene, core.linkage, position, rates=False)
+            k = motion_at(core.scene, core.linkage, position)
             reached = np.ones(position.shape, np.bool_)
             for reach in k.reach.values():
                 reached &= ~(reach < 0)

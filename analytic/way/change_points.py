@@ -34,7 +34,7 @@ def check_way(solver: Solver) -> None:
         refuse("solver", "what analytic.solver(...) returns", solver)
     scene, linkage = solver.scene, solver.linkage
     way = np.linspace(*scene.drive.extent, SAMPLES + 1)
-    k = motion_at(scene, linkage, way, rates=False)
+    k = motion_at(scene, linkage, way)
     check_reach(scene, linkage, k, way)
     for group, distance in _to_lock(linkage, k, way).items():
         before, after = np.append(np.inf, distance[:-1]), np.append(distance[1:], np.inf)
@@ -50,7 +50,7 @@ def _look_closer(scene: Scene, linkage: Linkage, nearest: Dyad | Group, way: Sam
     singular: Dyad | Group | None = None
     for _ in range(ROUNDS):
         way = np.linspace(way[0], way[-1], POINTS)
-        distances = _to_lock(linkage, motion_at(scene, linkage, way, rates=False), way)
+        distances = _to_lock(linkage, motion_at(scene, linkage, way), way)
         for group, distance in distances.items():
             lost = ROUGHLY * linkage.tracks[group].equations.size if isinstance(group, Group) else MEET * size
             if singular is None and not (distance > lost).all():

@@ -20,8 +20,8 @@ BISECTIONS = 60  # from the whole way down to the last place
 End: TypeAlias = tuple[float, str]  # a position of the drive, rad or m, and the joint of the group singular there
 
 
-def motion_at(scene: Scene, linkage: Linkage, position: Samples, *, rates: bool = True) -> Kinematics:
-    """The motion by the drive at positions of it, rad or m; NaN where the linkage does not assemble."""
+def motion_at(scene: Scene, linkage: Linkage, position: Samples, *, rates: bool = False) -> Kinematics:
+    """The poses at positions of the drive, rad or m, and with `rates` the motion by it; NaN where none assembles."""
     with np.errstate(invalid="ignore", divide="ignore"):
         return kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0)), rates=rates)
 
@@ -77,7 +77,7 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
 
 def unreached(scene: Scene, linkage: Linkage, position: Samples) -> NDArray[np.str_]:
     """Name for each position the inner joint of the first group that does not reach, or none by an empty text."""
-    reach = motion_at(scene, linkage, position, rates=False).reach
+    reach = motion_at(scene, linkage, position).reach
     fails = [np.broadcast_to(~(each >= 0), position.shape) for each in (np.array(0.0), *reach.values())]
     return np.asarray(np.array(["", *reach])[np.argmax(fails, axis=0)])
 

@@ -97,7 +97,8 @@ def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
     guide_of(scene, point)  # which refuses a point without one
 
     def displaced(position: Samples) -> tuple[Samples, Samples, Samples]:
-        s, ds, dds, _ = np.broadcast_arrays(*motion_at(scene, linkage, position).displaced(scene, point), position)
+        k = motion_at(scene, linkage, position, rates=True)
+        s, ds, dds, _ = np.broadcast_arrays(*k.displaced(scene, point), position)
         return s, ds, dds
 
     return displaced

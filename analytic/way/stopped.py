@@ -45,7 +45,7 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     else:
         end, begin = start, max(scene.drive.extent, key=lambda other: abs(other - start))
     way = end + (begin - end) * np.union1d(BESIDE, np.linspace(0, 1, POSES))
-    posed = motion_at(scene, linkage, way, rates=False).z
+    posed = motion_at(scene, linkage, way).z
     way = way[np.all([np.broadcast_to(np.isfinite(posed[point]), way.shape) for point in scene.moving_points], axis=0)]
     if not len(way):
         return None

@@ -26,7 +26,7 @@ def windings(scene: Scene, linkage: Linkage) -> Mapping[str, Winding]:
         return {}
     turns, (least, most) = scene.driven_slide is None, scene.drive.extent
     way = np.linspace(least, least + tau if turns else most, SAMPLES + 1)
-    k, found = motion_at(scene, linkage, np.append(way, start), rates=False), {}
+    k, found = motion_at(scene, linkage, np.append(way, start)), {}
     for name, spring in springs.items():
         wrapped = twist(spring, k) + np.zeros(len(way) + 1)
         known = np.isfinite(wrapped[:-1])
