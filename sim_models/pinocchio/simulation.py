@@ -10,31 +10,31 @@ from scenes.model.motion import Samples
 from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.system import ClosedPose
-from .closures import Closures
+from .system import PinocchioSystem
 
 LOST = 0.1  # gap over the linkage's size, from where nothing pulls the loops together again
 PULL = 5.0  # over the drive's rate of turning, 2 pi a cycle: stable with Heun's method from 16 steps a cycle on
 
 
-class PinocchioSimulation(CoordinateSimulation[Closures]):
+class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
     """One prepared run, see `scenes.model.engine.Simulation`."""
 
     def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
         """Span the tree and assemble, see `engine.build`."""
-        super().__init__(Closures, scene, settings.steps, request)
+        super().__init__(PinocchioSystem, scene, settings.steps, request)
         self._settings = settings
         self._poses: list[ClosedPose] = []
 
     def solve(self) -> None:
         """Find the poses, and the channels in them."""
-        closures = self._system
+        system = self._system
         self._follower.begin(self._turns)
         self._poses, rows = [], []
         for pose, *rates in self._motion():
-            bodies = closures.moved(pose.x, *rates)
-            row = closures.kinematics(bodies)
+            bodies = system.moved(pose.x, *rates)
+            row = system.kinematics(bodies)
             if self._forces:
-                row |= closures.forces((pose.x, *rates), pose.J, bodies, self._ends)
+                row |= system.forces((pose.x, *rates), pose.J, bodies, self._ends)
             self._poses.append(pose)
             rows.append([row[channel] for channel in self._wanted])
         self._channels = dict(zip(self._wanted, np.array(rows).T, strict=True))
