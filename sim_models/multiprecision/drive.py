@@ -1,91 +1,166 @@
 """Where the drive is to be, in arbitrary-precision balls: a second implementation of `scenes.drive` and of a request.
 
-Nothing but the scene's own numbers is shared with that: a slip in what all other models ask for shows as an error.
+Nothing but the scene's own numbers is shared with that: a slip in what all other models ask for shows as an error. Of a
+law by formula an acceleration is integrated there; here are printed formulas of the way, for a time that is a power
+series: rates and accelerations are further coefficients.
 """
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
-from typing import TypeAlias
+from itertools import accumulate, pairwise
+from math import gcd, lcm
+from typing import Any, NamedTuple, TypeAlias
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_series, fmpq
 
 from scenes import Request, Sampling
+from scenes.laws import SAME_INSTANT
 from scenes.scene import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
 
-from .laws import Command as Command
-from .laws import SegmentsLaw, SinesLaw, ball
+# The way of the first half, of which the other is the mirror image, at a share x of the time; each up to a share.
+# The polynomials, the modified sine and the modified trapezoid of Norton, Cam Design, with their numbers by pi = p.
+FIRST_HALVES: Mapping[str, Mapping[Fraction, Callable[[Any, Any], Any]]] = {
+    "harmonic": {Fraction(1, 2): lambda x, p: (1 - (p * x).cos()) / 2},
+    "cycloidal": {Fraction(1, 2): lambda x, p: x - (2 * p * x).sin() / (2 * p)},
+    "polynomial_345": {Fraction(1, 2): lambda x, _: 10 * x**3 - 15 * x**4 + 6 * x**5},
+    "polynomial_4567": {Fraction(1, 2): lambda x, _: 35 * x**4 - 84 * x**5 + 70 * x**6 - 20 * x**7},
+    "modified_sine": {
+        Fraction(1, 8): lambda x, p: (p * x - (4 * p * x).sin() / 4) / (4 + p),
+        Fraction(1, 2): lambda x, p: (2 + p * x - 9 * (p * (4 * x + 1) / 3).sin() / 4) / (4 + p),
+    },
+    "modified_trapezoid": {
+        Fraction(1, 8): lambda x, p: (2 * x - (4 * p * x).sin() / (2 * p)) / (2 + p),
+        Fraction(3, 8): lambda x, p: (4 * p * x**2 + (2 - p) * x + p / 16 - 1 / (2 * p)) / (2 + p),
+        Fraction(1, 2): lambda x, p: (2 * (1 + p) * x + (4 * p * x).sin() / (2 * p) - p / 2) / (2 + p),
+    },
+}
 
 
-class SteadyLaw:
-    """A constant speed, turn after turn or once to an end."""
+class Command(NamedTuple):
+    """What the drive asks for at one instant: time, s; position, rad or m; and its derivatives by the time."""
 
-    def __init__(self, drive: ConstantSpeed) -> None:
-        self._start, self._speed = arb(drive.start), arb(drive.speed)
-        turn = 2 * arb.pi() * (1 if drive.speed > 0 else -1)
-        self._advance = turn if drive.end is None else arb(drive.end) - self._start
-
-    def at(self, cycles: Fraction) -> Command:
-        """Return the command after a number of cycles, whole or not."""
-        return self.passing(self._start + ball(cycles) * self._advance)
-
-    def passing(self, position: arb) -> Command:
-        """Return the command as the drive passes a position, rad or m."""
-        return Command((position - self._start) / self._speed, position, self._speed, arb(0))
+    time: arb
+    position: arb
+    rate: arb
+    acceleration: arb
 
 
-class SplineLaw:
-    """A cubic spline through a table."""
-
-    def __init__(self, drive: MotionLaw) -> None:
-        self._times = [Fraction(time) for time in drive.times]
-        self._positions = [arb(position) for position in drive.positions]
-        self._periodic = drive.periodic
-        self._steps = [ball(late - early) for early, late in pairwise(self._times)]
-        chords = [(z - y) / h for (y, z), h in zip(pairwise(self._positions), self._steps, strict=True)]
-        self._bends = second_derivatives(self._steps, chords, periodic=drive.periodic)
-
-    def at(self, cycles: Fraction) -> Command:
-        """Return the command after a number of cycles, from the cubic over the step of h from y, M to z, N.
-
-        With the shares a = 1 - b and b of the step before and behind the instant, the position is
-        a y + b z + ((a^3 - a) M + (b^3 - b) N) h^2 / 6. Each period adds what the table gains.
-        """
-        periods, share = divmod(cycles, 1) if self._periodic else (0, cycles)
-        time = share * self._times[-1]
-        i = min(bisect_right(self._times, time), len(self._steps)) - 1
-        h, (y, z), (M, N) = self._steps[i], self._positions[i : i + 2], self._bends[i : i + 2]
-        b = ball(time - self._times[i]) / h
-        a = 1 - b
-        bend = ((a**3 - a) * M + (b**3 - b) * N) * h**2 / 6
-        position = a * y + b * z + bend + periods * (self._positions[-1] - self._positions[0])
-        rate = (z - y) / h + ((1 - 3 * a**2) * M + (3 * b**2 - 1) * N) * h / 6
-        return Command(ball(cycles * self._times[-1]), position, rate, a * M + b * N)
-
-
-Law: TypeAlias = SteadyLaw | SplineLaw | SegmentsLaw | SinesLaw
+Law: TypeAlias = Callable[[Fraction], Command]  # of a number of cycles, whole or not
 
 
 def law_of(drive: Drive) -> Law:
     """Return a scene's drive at the precision that the caller has set."""
     match drive:
         case ConstantSpeed():
-            return SteadyLaw(drive)
+            return _steady(drive)
         case MotionLaw():
-            return SplineLaw(drive)
+            return _spline(drive)
         case SegmentedLaw():
-            return SegmentsLaw(drive)
+            return _segments(drive)
         case HarmonicLaw():
-            return SinesLaw(drive)
+            return _sines(drive)
 
 
-def commands(law: Law, request: Request) -> list[Command]:
+def commands(drive: Drive, law: Law, request: Request) -> list[Command]:
     """Return the command at every sample of a request; positions alone are of a constant speed."""
     if isinstance(request, Sampling):
-        return [law.at(Fraction(k, request.samples)) for k in range(request.samples * request.turns + 1)]
-    assert isinstance(law, SteadyLaw)
-    return [law.passing(arb(position)) for position in request.positions]
+        return [law(Fraction(k, request.samples)) for k in range(request.samples * request.turns + 1)]
+    assert isinstance(drive, ConstantSpeed)
+    return [_passing(drive, arb(position)) for position in request.positions]
+
+
+def _passing(drive: ConstantSpeed, position: arb) -> Command:
+    """Return the command as a drive of constant speed passes a position, rad or m."""
+    return Command((position - drive.start) / drive.speed, position, arb(drive.speed), arb(0))
+
+
+def _steady(drive: ConstantSpeed) -> Law:
+    """Turn after turn, or once to an end."""
+    turn = 2 * arb.pi() * (1 if drive.speed > 0 else -1)
+    advance = turn if drive.end is None else arb(drive.end) - drive.start
+    return lambda cycles: _passing(drive, drive.start + ball(cycles) * advance)
+
+
+def _spline(drive: MotionLaw) -> Law:
+    """A cubic spline through a table.
+
+    Over the step of h from y, M to z, N, with the shares a = 1 - b and b of the step before and behind the instant, the
+    position is a y + b z + ((a^3 - a) M + (b^3 - b) N) h^2 / 6. Each period adds what the table gains.
+    """
+    times, positions = [*map(Fraction, drive.times)], [*map(arb, drive.positions)]
+    steps = [ball(late - early) for early, late in pairwise(times)]
+    chords = [(z - y) / h for (y, z), h in zip(pairwise(positions), steps, strict=True)]
+    bends = second_derivatives(steps, chords, periodic=drive.periodic)
+
+    def at(cycles: Fraction) -> Command:
+        periods, share = divmod(cycles, 1) if drive.periodic else (0, cycles)
+        time = share * times[-1]
+        i = min(bisect_right(times, time), len(steps)) - 1
+        h, (y, z), (M, N) = steps[i], positions[i : i + 2], bends[i : i + 2]
+        b = ball(time - times[i]) / h
+        a = 1 - b
+        bend = ((a**3 - a) * M + (b**3 - b) * N) * h**2 / 6
+        position = a * y + b * z + bend + periods * (positions[-1] - positions[0])
+        rate = (z - y) / h + ((1 - 3 * a**2) * M + (3 * b**2 - 1) * N) * h / 6
+        return Command(ball(cycles * times[-1]), position, rate, a * M + b * N)
+
+    return at
+
+
+def _segments(drive: SegmentedLaw) -> Law:
+    """Segments in a row; on a boundary, or so near to one, the later segment's."""
+    ends = [*accumulate(map(Fraction, drive.durations), initial=Fraction(0))]
+    positions = [*accumulate(drive.ends, lambda here, end: here if end is None else arb(end), initial=arb(drive.start))]
+    hair = Fraction(SAME_INSTANT) * ends[-1]
+
+    def at(cycles: Fraction) -> Command:
+        periods = (cycles + Fraction(SAME_INSTANT)) // 1 if drive.periodic else 0
+        time = (cycles - periods) * ends[-1]
+        last = bisect_right(ends, time + hair) - 1
+        i = min(last, len(drive.laws) - 1)
+        law, within, (here, there) = drive.laws[i], ends[i + 1] - ends[i], positions[i : i + 2]
+        time = ends[last] if abs(time - ends[last]) <= hair else time
+        start = here + periods * (positions[-1] - positions[0])
+        way = _way(law, (time - ends[i]) / within, ball(1 / within)) if law else _series(arb(0), arb(0))
+        return _command(cycles * ends[-1], start + (there - here) * way)
+
+    return at
+
+
+def _way(law: str, x: Fraction, pace: arb) -> arb_series:
+    if 2 * x > 1:
+        return 1 - _way(law, 1 - x, -pace)
+    formula = next(formula for end, formula in FIRST_HALVES[law].items() if x <= end)
+    return arb_series(formula(_series(ball(x), pace), arb.pi()))
+
+
+def _sines(drive: HarmonicLaw) -> Law:
+    """A sum of sines, of frequencies as they are written."""
+    frequencies = [Fraction(str(frequency)) for frequency in drive.frequencies]
+    period = Fraction(lcm(*(f.denominator for f in frequencies)), gcd(*(f.numerator for f in frequencies)))
+    sines = [*zip(map(arb, drive.amplitudes), frequencies, map(arb, drive.phases), strict=True)]
+
+    def at(cycles: Fraction) -> Command:
+        time, position = cycles * period, _series(arb(drive.middle), arb(0))
+        for size, f, phase in sines:
+            position += size * (2 * arb.pi() * _series(ball(f * time % 1), ball(f)) + phase).sin()
+        return _command(time, position)
+
+    return at
+
+
+def _series(value: arb, rate: arb) -> arb_series:
+    return arb_series([value, rate], prec=3)
+
+
+def _command(time: Fraction, position: arb_series) -> Command:
+    return Command(ball(time), position[0], position[1], 2 * position[2])
+
+
+def ball(exact: Fraction) -> arb:
+    """Return a number as a ball."""
+    return arb(fmpq(exact.numerator, exact.denominator))
 
 
 def second_derivatives(h: Sequence[arb], chords: Sequence[arb], *, periodic: bool) -> list[arb]:

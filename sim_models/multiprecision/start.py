@@ -30,9 +30,9 @@ FULL_TURN = tau - 1e-6  # rad, but for roundings
 def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
     """Return the pose at the drive's start, shape (3 bodies, 1); Failure as of `Continuation.follow`."""
     scene = linkage.scene
-    begin, sketched = linkage.law.at(Fraction(0)).position, scene.sketch.drive
+    begin, sketched = linkage.law(Fraction(0)).position, scene.sketch.drive
     if scene.driven_slide is None:
-        way = [float(linkage.law.at(Fraction(k, INSTANTS)).position) for k in range(INSTANTS + 1)]
+        way = [float(linkage.law(Fraction(k, INSTANTS)).position) for k in range(INSTANTS + 1)]
         low, high = min(way), max(way)
         # Past either end of its range a crank may lock; one that turns fully goes the short way round to the start.
         near = (low + high) / 2 if high - low < FULL_TURN else float(begin)
@@ -108,7 +108,7 @@ def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_
 
     def move(q: arb_mat, cycles: Fraction) -> tuple[arb_mat, bool, float]:
         """Return the pose after some cycles, whether the slider closes there, and how far it has closed, m."""
-        command = linkage.law.at(cycles)
+        command = linkage.law(cycles)
         q = continuation.follow(q, linkage.drive(command.position))
         motion = solved(linkage.groups, linkage.constraints.jacobian(q), linkage.drive(command.rate))
         velocity = (displacement.jacobian(q) * motion)[0, 0]

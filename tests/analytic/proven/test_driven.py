@@ -86,7 +86,7 @@ def beyond(kind: str, seed: int) -> Iterator[float]:
         for piece in chance.integers(0, len(law.pieces), INSTANTS).tolist():
             inside = begins[piece] + chance.uniform(0, 1) * (begins[piece + 1] - begins[piece])
             cycles = Fraction(inside / law.cycle)
-            command = exact.at(cycles)
+            command = exact(cycles)
             instant = float(command.time)
             own = int(np.searchsorted(begins, instant, side="right")) - 1
             if min(instant - begins[own], begins[own + 1] - instant) <= HAIR * law.cycle:

@@ -34,7 +34,7 @@ def test_a_cubic_has_no_knots(times: tuple[int, ...]) -> None:
     for cycles in (Fraction(k, 7) for k in range(8)):
         t = cycles * times[-1]
         position, rate, acceleration = t**3 - 5 * t**2 + 2 * t + 1, 3 * t**2 - 10 * t + 2, 6 * t - 10
-        assert off(of.at(cycles), t, position, rate, acceleration) <= EXACT
+        assert off(of(cycles), t, position, rate, acceleration) <= EXACT
 
 
 @pytest.mark.parametrize("gain", [0, 8])
@@ -46,7 +46,7 @@ def test_a_periodic_law_by_hand(gain: int) -> None:
         for t, s, v, a in ((0, 0, Fraction(3, 2), 0), (1, 1, 0, -3), (3, -1, 0, 3)):
             position = s + Fraction(gain, 4) * (t + 4 * turn)
             expected = t + 4 * turn, position, v + Fraction(gain, 4), a
-            assert off(of.at(turn + Fraction(t, 4)), *(Fraction(number) for number in expected)) <= EXACT
+            assert off(of(turn + Fraction(t, 4)), *(Fraction(number) for number in expected)) <= EXACT
     # Half-way in the first step: 1/2 - 3 (1/8 - 1/2) / 6, 1 - 3 (3/4 - 1) / 6.
     half = Fraction(11, 16) + Fraction(gain, 8), Fraction(9, 8) + Fraction(gain, 4), Fraction(-3, 2)
-    assert off(of.at(Fraction(1, 8)), Fraction(1, 2), *half) <= EXACT
+    assert off(of(Fraction(1, 8)), Fraction(1, 2), *half) <= EXACT
