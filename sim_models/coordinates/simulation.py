@@ -1,6 +1,5 @@
 """One run: what all engines of minimal equations do with a start and a request."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from typing import Generic, TypeVar
 
@@ -10,37 +9,32 @@ from scenes import Motion, Request, Sampling, Scene
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 
-from .start import prepared
+from .start import begun
 from .system import ClosedPose, System
 
 S = TypeVar("S", bound=System)
 
 
-class CoordinateSimulation(ABC, Generic[S]):
-    """One prepared run, see `scenes.model.engine.Simulation`."""
+class CoordinateSimulation(Generic[S]):
+    """One prepared run, see `scenes.model.engine.Simulation`; `solve` is each engine's own."""
 
     whole_way = False  # whether the drive's is followed beforehand, since steps do not find out where the linkage locks
 
     def __init__(self, kind: Callable[[Scene], S], scene: Scene, steps: int | None, request: Request) -> None:
         """Begin with the start of a kind of system, for a run of at least so many steps a cycle, or of none."""
-        system: S
-        system, start = prepared(kind, scene, self.whole_way)
+        self._scene = scene
+        self._system: S
+        self._system, self._follower, self._start, self._ends = begun(kind, scene, self.whole_way)
         self._samples = 1 if steps is None else equal_steps(request).samples  # a cycle
         self._turns = request.turns if isinstance(request, Sampling) else 1
         self._each = -(-(steps or 0) // self._samples)  # steps from a sample to the next
         self._steps = self._each * self._samples * self._turns
-        self._scene, self._system = scene, system
-        self._follower, self._start, self._ends = start
         self._times, self._positions = request.times(scene), request.commanded(scene)
         self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]
         self._forces = request.wants_forces(scene)
         self._channels: Mapping[str, Samples] = {}
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
-
-    @abstractmethod
-    def solve(self) -> None:
-        """Find the channels wanted."""
 
     def read(self) -> Motion:
         """Hand over the channels."""

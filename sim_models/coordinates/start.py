@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import cache, lru_cache, partial
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -21,20 +21,17 @@ ACCURACY = 1e-9  # of the drive's position, rad or of its travel; a stroke's dis
 SCENES = 4  # whose equations are kept by an engine: a scene run with several settings is prepared once
 
 
-# What all runs of a scene begin with: its poses, that at the drive's start, and the ends of press forces' strokes, m.
-Start: TypeAlias = tuple[PathFollower, ClosedPose, Samples]
-
-
 @lru_cache(SCENES)
-def prepared(kind: Callable[[Scene], System], scene: Scene, whole_way: bool) -> tuple[Any, Start]:
-    """A scene's constraints, of that kind, and its start; where asked, the whole way of the drive is followed too."""
+def begun(
+    kind: Callable[[Scene], System], scene: Scene, whole_way: bool
+) -> tuple[Any, PathFollower, ClosedPose, Samples]:
+    """Return what all runs of a scene begin with; Failure where constraints repeat others, or no pose is on the branch.
+
+    Those are its constraints, of that kind; its poses, and that at the drive's start; and the ends of press forces'
+    strokes, m. Where asked, the whole way of the drive is followed too.
+    """
     system = kind(scene)
-    return system, begun(system, whole_way)
-
-
-def begun(system: System, whole_way: bool) -> Start:
-    """Return the start of a linkage; Failure where constraints repeat others, or no pose is on the sketch's branch."""
-    poses, drawn = PathFollower(system), system.scene.sketched_drive
+    poses, drawn = PathFollower(system), scene.sketched_drive
     x = system.placed(on_sketch(system, drawn))
     pose, gaps = poses.pose(x), system.gaps(x)
     try:
@@ -44,11 +41,11 @@ def begun(system: System, whole_way: bool) -> Start:
         raise _apart(poses, stuck.args[0], drawn) from None
     if poses.repeated(pose, drawn):
         raise _apart(poses, pose, drawn)
-    drive = system.scene.drive
+    drive = scene.drive
     pose = next(poses.through(pose, drawn, [drive.start]))
     for end in drive.extent if whole_way else ():
         _ = [*poses.through(pose, drive.start, [end])]
-    return poses, pose, stroke_ends(poses, pose)
+    return system, poses, pose, stroke_ends(poses, pose)
 
 
 def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
