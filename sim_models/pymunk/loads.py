@@ -18,7 +18,6 @@ import pymunk
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.elements import PLAIN_KINDS
 from scenes.elements.loads import TabledLoad
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Force, GuideForce, Moment, PressForce, Spring
@@ -158,18 +157,16 @@ class AppliedForces:
     def __init__(self, linkage: LinkageConstraints, bodies: Bodies, stroke_ends: Sequence[float], dt: float) -> None:
         scene = linkage.scene
         self._linkage, self._stroke_ends, self._dt = linkage, stroke_ends, dt
-        moved = {name: body for name, body in bodies.items() if not linkage.moved[name].prescribed}
-        loaded = {load.body for load in scene.loads}
-        sprung = {name for spring in scene.springs for name, _ in (spring.first, spring.second)}
-        sprung |= {name for spring in scene.torsion_springs for name in (spring.first, spring.second)}
-        by_guides = {load.body for load in scene.loads if load.kind not in PLAIN_KINDS} & scene.slides.keys()
-        sprung |= {scene.slides[name].on for name in by_guides}
-        varying = sprung | {load.body for load in scene.loads if load.kind != "forces"}
-        self._varying = {name: body for name, body in moved.items() if name in varying}
-        constant = {name: body for name, body in moved.items() if name in loaded - varying}
-        self._constant = [(body, *_constant(linkage, name, body)) for name, body in constant.items()]
-        involved = loaded | sprung if varying else set()
-        self._involved = [(linkage.index[name], body) for name, body in bodies.items() if name in involved]
+        involved = {load.body for load in scene.loads}
+        involved |= {scene.slides[name].on for name in involved & scene.slides.keys()}
+        involved |= {name for spring in scene.springs for name, _ in (spring.first, spring.second)}
+        involved |= {name for spring in scene.torsion_springs for name in (spring.first, spring.second)}
+        own = {name: body for name, body in bodies.items() if name in involved}
+        moved = {name: body for name, body in own.items() if not linkage.moved[name].prescribed}
+        constant = all(element.kind == "forces" for _, element in scene.elements)
+        self._constant = [(body, *_constant(linkage, name, body)) for name, body in moved.items() if constant]
+        self._varying = {} if constant else moved
+        self._involved = [] if constant else [(linkage.index[name], body) for name, body in own.items()]
         self._before = {i: (complex(*body.velocity), body.angular_velocity) for i, body in self._involved}
         self.active: list[NDArray[np.bool_]] = []
 

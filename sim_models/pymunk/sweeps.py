@@ -10,7 +10,7 @@ rho**sweeps <= 1 / (1 + beta), whatever dt: a smaller step does not help.
 
 from collections.abc import Iterator
 from functools import lru_cache
-from math import ceil, inf, log, log1p
+from math import ceil, inf, log
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps reduce them.
     """
     rho = max(contractions(*begun(scene, masses_of(scene, settings, Sampling()))))
-    return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
+    return sweeps_needed(rho, 1 / (1 + settings.corrected(scene.drive.cycle / settings.steps)))
 
 
 @lru_cache(SCENES)
@@ -41,18 +41,17 @@ def enough_sweeps(scene: Scene) -> int:
 
     Where the drive prescribes no body's motion, no choice of masses makes few sweeps converge.
     """
-    rho = max(contractions(*begun(scene, fictitious_masses)))
-    needed = log(LEFT) / log(rho) if 0 < rho < 1 else rho and inf
+    needed = sweeps_needed(max(contractions(*begun(scene, fictitious_masses))), LEFT)
     if not needed <= MOST:
         raise Failure(Status.not_converged, f"a step would need {needed:.2g} sweeps over the joints, more than {MOST}")
-    return ceil(needed)
+    return int(needed)
 
 
-def sweeps_needed(rho: float, correction: float) -> float:
-    """The least number of sweeps for which steps that correct that part of an error are stable."""
+def sweeps_needed(rho: float, left: float) -> float:
+    """The least number of sweeps that leave no more than a part of an error, infinite with none."""
     if not 0 < rho < 1:
         return 1.0 if rho == 0 else inf
-    return float(max(1, ceil(log1p(correction) / -log(rho))))
+    return float(max(1, ceil(log(left) / log(rho))))
 
 
 def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float]:
