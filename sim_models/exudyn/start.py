@@ -3,8 +3,8 @@
 from cmath import phase
 from collections.abc import Mapping
 from functools import lru_cache
-from math import pi, remainder, sqrt, tau
-from typing import Any, TypeAlias
+from math import pi, sqrt
+from typing import TypeAlias
 
 import numpy as np
 
@@ -59,34 +59,29 @@ def _rough(system: ExudynSystem, position: float) -> Array:
     return np.array(pose)
 
 
-def _angles(system: ExudynSystem, sketched: Sketched, position: float) -> dict[frozenset[str], Any]:
-    """The angles of bodies that slides keep parallel; of two that the drive turns, one may follow from the other's."""
+def _angles(system: ExudynSystem, sketched: Sketched, position: float) -> dict[frozenset[str], float]:
+    """The angles of bodies that slides keep parallel: as drawn, but a crank is turned from what it is driven on."""
     scene = system.scene
-    angles = {group: _shown(system, sketched, group, position) for group in scene.aligned.values()}
-    base, crank = scene.aligned[scene.drive_on], scene.aligned[scene.drive.body]
-    if scene.drive_on != GROUND and scene.driven_slide is None:
-        if angles[base] is None:
+    ground, base, crank = (scene.aligned[name] for name in (GROUND, scene.drive_on, scene.drive.body))
+    fits = {group: _fit(system, sketched, group, position) for group in {*scene.aligned.values()} - {ground}}
+    angles = {group: phase(fit) for group, fit in fits.items()} | {ground: 0.0}
+    if scene.driven_slide is None:
+        if base != ground and not fits[base]:
             angles[base] = angles[crank] - position
-        turned = angles[base] + position
-        angles[crank] = turned if angles[crank] is None else turned + remainder(angles[crank] - turned, tau)
+        angles[crank] = angles[base] + position
     return angles
 
 
-def _shown(system: ExudynSystem, sketched: Sketched, group: frozenset[str], position: float) -> Any:
-    """The angle of parallel bodies as they are drawn; None where that does not show it."""
-    scene = system.scene
-    if GROUND in group:
-        return 0.0
-    if scene.drive_on == GROUND and scene.drive.body in group:
-        return position
+def _fit(system: ExudynSystem, sketched: Sketched, group: frozenset[str], position: float) -> complex:
+    """A number with the angle of parallel bodies as they are drawn; zero where that does not show it."""
     # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2, over all bodies of this angle
     points = [sketched[name] for name in sorted(group)]
     pairs = [(own - own.mean(), drawn - drawn.mean()) for own, drawn in points if len(own) > 1]
-    sliders = sorted(group & scene.slides.keys()) if not pairs else ()
-    guides = [(scene.slides[name].on, name) for name in sliders]
-    guides = [ends for ends in guides if all(len(sketched[name][0]) for name in ends)]
-    pairs += [_along_guide(system, sketched, *ends, position) for ends in guides]
-    return phase(sum(np.vdot(*pair) for pair in pairs)) if pairs else None
+    guides = [(system.scene.slides[name].on, name) for name in sorted(group & system.scene.slides.keys())]
+    if not pairs:
+        guides = [ends for ends in guides if all(len(sketched[name][0]) for name in ends)]
+        pairs = [_along_guide(system, sketched, *ends, position) for ends in guides]
+    return complex(sum(np.vdot(*pair) for pair in pairs))
 
 
 def _along_guide(
