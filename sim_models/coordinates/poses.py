@@ -4,7 +4,8 @@ A step that was too long is halved. The sign of det C_x changes only where two b
 is too long as well.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -23,10 +24,6 @@ TRIALS = 9  # positions ahead, to find one where a joint stays open
 OPEN = 1e-9  # gap of bodies that do not fit together, over the size
 SECONDS = 120.0  # of processor time, for the build and for each cycle
 ROUNDING = float(np.finfo(float).eps) / 2
-
-
-class Stuck(Exception):  # noqa: N818 - a way that ends is no error
-    """No step leads on from a pose, which is its argument."""
 
 
 class PathFollower:
@@ -50,10 +47,7 @@ class PathFollower:
         for position in positions:
             parts = max(1, int(np.ceil(abs(position - here) / self.largest_step)))
             for part in np.linspace(here, position, parts + 1)[1:].tolist():
-                try:
-                    pose = self.follow(pose, self.goal(part))
-                except Stuck as stuck:
-                    raise self._locked(stuck.args[0], position) from None
+                pose = self.follow(pose, self.goal(part), partial(self._locked, position))
             here = position
             yield pose
 
@@ -92,8 +86,11 @@ class PathFollower:
             raise Failure(Status.not_converged, reason)
         return {"constraints": float(gaps.max()), "rounding": rounding}
 
-    def follow(self, pose: ClosedPose, goal: Samples) -> ClosedPose:
-        """Return the pose where C(x) is the goal, by as many steps of halved length as it takes, or be stuck."""
+    def follow(self, pose: ClosedPose, goal: Samples, failure: Callable[[ClosedPose], Failure]) -> ClosedPose:
+        """Return the pose where C(x) is the goal, by as many steps of halved length as it takes.
+
+        Where none leads on, it raises the failure of the last pose.
+        """
         ahead = [goal]
         for _ in range(PARTS):
             self.budget.check(f"{self.counters['steps']} steps are done")
@@ -109,9 +106,9 @@ class PathFollower:
                 break
             else:
                 ahead.append((self.system.gaps(pose.x) + ahead[-1]) / 2)
-        raise Stuck(pose)
+        raise failure(pose)
 
-    def _locked(self, pose: ClosedPose, goal: float) -> Failure:
+    def _locked(self, goal: float, pose: ClosedPose) -> Failure:
         """Return why no pose follows on the way of the drive to a goal."""
         here = float(self.system.gaps(pose.x)[-1]) * self.system.drive_unit
         past = self.scene.where(here)

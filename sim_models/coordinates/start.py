@@ -13,7 +13,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND, PressForce
 
 from .bodies import MovingBody
-from .poses import PathFollower, Stuck
+from .poses import PathFollower
 from .system import ClosedPose, System
 
 CLOSING = 12  # steps in which the sketch's gaps are closed
@@ -34,13 +34,11 @@ def begun(
     poses, drawn = PathFollower(system), scene.sketched_drive
     x = system.placed(on_sketch(system, drawn))
     pose, gaps = poses.pose(x), system.gaps(x)
-    try:
-        for share in np.linspace(0, 1, CLOSING + 1)[1:]:
-            pose = poses.follow(pose, gaps + share * (poses.goal(drawn) - gaps))
-    except Stuck as stuck:
-        raise _apart(poses, stuck.args[0], drawn) from None
+    apart = partial(_apart, poses, drawn)
+    for share in np.linspace(0, 1, CLOSING + 1)[1:]:
+        pose = poses.follow(pose, gaps + share * (poses.goal(drawn) - gaps), apart)
     if poses.repeated(pose, drawn):
-        raise _apart(poses, pose, drawn)
+        raise apart(pose)
     drive = scene.drive
     pose = next(poses.through(pose, drawn, [drive.start]))
     for end in drive.extent if whole_way else ():
@@ -69,7 +67,7 @@ def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
     return frames
 
 
-def _apart(poses: PathFollower, pose: ClosedPose, position: float) -> Failure:
+def _apart(poses: PathFollower, position: float, pose: ClosedPose) -> Failure:
     """Return why the sketch's gaps cannot be closed."""
     where, count = poses.scene.where(position), poses.repeated(pose, position)
     if count:

@@ -7,14 +7,23 @@ silence. With k = 1/h^2 and b = 1/h, h the step, and d at its limit of 0.9999, e
 a leapfrog of order 2, whose rates belong to the middle of a step, and whose forces l to its start.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Annotated
 
-from scenes import Request, Scene
+from scenes import Request, Scene, Settings
 from scenes.model.engine import Simulation
 
 from ..coordinates.settings import rung
-from .settings import MujocoSettings
+
+
+@dataclass(frozen=True)
+class MujocoSettings(Settings):
+    """Step in time."""
+
+    steps: Annotated[int, "per cycle, at least: rounded up to a multiple of the samples"]
+    hard: Annotated[bool, "gaps are closed within a step; else MuJoCo's defaults for constraints"] = True
+
 
 # A driven crank is as soft as any joint: it is off by as much as gaps open in a step.
 at_steps = partial(rung, MujocoSettings, "closed in a step", 2, drive_promise=1e-3)

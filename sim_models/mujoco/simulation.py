@@ -15,8 +15,8 @@ from ..coordinates.bodies import End, MovingBody
 from ..coordinates.loads import Wrench, applied
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.system import System
+from .engine import MujocoSettings
 from .model import MujocoUnits, model
-from .settings import MujocoSettings
 
 PRE_ROLL = 6  # steps before the first sample, after which the gaps are those that a step opens
 LARGEST_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it

@@ -16,10 +16,10 @@ from scenes.model.motion import Samples, channels
 from .constraints import LinkageEquations
 from .continuation import Continuation
 from .drive import Command, commands
+from .engine import MultiprecisionSettings
 from .friction import JointResistance, resisted
 from .loads import GeneralisedForce, generalised_force
 from .rows import angles, solved
-from .settings import MultiprecisionSettings
 from .start import start, stroke_ends
 
 ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative; far below a double's round-off

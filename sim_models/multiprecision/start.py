@@ -37,12 +37,8 @@ def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
         # Past either end of its range a crank may lock; one that turns fully goes the short way round to the start.
         near = (low + high) / 2 if high - low < FULL_TURN else float(begin)
         sketched = near + remainder(sketched - near, tau)
-    return continuation.follow(assembled(linkage, continuation, sketched), linkage.drive(begin))
-
-
-def assembled(linkage: LinkageEquations, continuation: Continuation, position: float) -> arb_mat:
-    """Return the pose closed from the sketch with the drive at a position, rad or m, shape (3 bodies, 1)."""
-    return continuation.follow(sketched_pose(linkage, position), linkage.drive(position))
+    assembled = continuation.follow(sketched_pose(linkage, sketched), linkage.drive(sketched))
+    return continuation.follow(assembled, linkage.drive(begin))
 
 
 def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:

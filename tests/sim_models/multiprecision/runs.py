@@ -15,15 +15,14 @@ flint = pytest.importorskip("flint")
 from sim_models.multiprecision import engine as model  # noqa: E402
 from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402  (their engine is there)
 from sim_models.multiprecision.continuation import Continuation  # noqa: E402
-from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E402
-from sim_models.multiprecision.start import assembled  # noqa: E402
+from sim_models.multiprecision.start import sketched_pose  # noqa: E402
 
 EPS = 2.0**-52
 Array = NDArray[np.float64]
 
 
 def run(scene: Scene, samples: int = 36, digits: int = 50) -> Motion:
-    simulation = model.build(scene, MultiprecisionSettings("test", digits=digits), Sampling(samples))
+    simulation = model.build(scene, model.MultiprecisionSettings("test", digits=digits), Sampling(samples))
     simulation.solve()
     return simulation.read()
 
@@ -52,4 +51,5 @@ def continuing(linkage: LinkageEquations) -> Continuation:
 
 
 def closed(linkage: LinkageEquations, continuation: Continuation) -> Any:
-    return assembled(linkage, continuation, linkage.scene.sketch.drive)
+    drawn = linkage.scene.sketch.drive
+    return continuation.follow(sketched_pose(linkage, drawn), linkage.drive(drawn))

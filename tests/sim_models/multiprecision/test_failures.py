@@ -17,7 +17,6 @@ flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision import engine as model  # noqa: E402
 from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402  (their engine is there)
-from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E402
 
 # K hangs on D and M, whose distance no length gives.
 UNMET = {"A-B": 350, "A-D": 300, "B-D": 120, "A-M": 340, "B-M": 40, "D-K": 5, "M-K": 5}
@@ -147,7 +146,7 @@ def test_a_run_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch, name: str, 
     monkeypatch.setattr("scenes.model.engine.process_time", lambda: next(ticks))
     monkeypatch.setattr("scenes.model.engine.perf_counter", lambda: inf)  # the time on the wall is long over
     with pytest.raises(Failure, match=rf"^{steps} s .* {task}: it is at crank angle [\d.]+ deg$") as failure:
-        model.build(scenes.load(name), MultiprecisionSettings("short", seconds=steps), Sampling(72)).solve()
+        model.build(scenes.load(name), model.MultiprecisionSettings("short", seconds=steps), Sampling(72)).solve()
     assert failure.value.status is Status.timed_out
 
 
