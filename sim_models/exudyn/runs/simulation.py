@@ -39,18 +39,18 @@ class ExudynSimulation:
         self.counters: dict[str, int] = {}
         self.residuals: dict[str, float] = {}
 
-    def _buffer(self, *, accelerations: bool = True) -> Array:
+    def _buffer(self) -> Array:
         """Make room for samples of position, velocity, acceleration and, where forces are requested, multipliers."""
-        levels = 4 if self.sampling.wants_forces(self.scene) else 3 if accelerations else 2
+        levels = 4 if self.sampling.wants_forces(self.scene) else 3
         return np.empty((levels, self.sampling.count, 3 * len(self.scene.bodies)))
 
     def solve(self) -> None:
         """Find the samples, and the channels from them."""
         self.poses.budget = ProcessorBudget(SECONDS * self.sampling.turns, "the solution")
-        self._q, v, *others = self._solved()
-        every = channels.kinematics(self.system, self._q, v, *others[:1])
-        if len(others) > 1:
-            every |= self._forces(others[1])
+        self._q, v, a, *multipliers = self._solved()
+        every = channels.kinematics(self.system, self._q, v, a)
+        if multipliers:
+            every |= self._forces(*multipliers)
         wanted = set(self.sampling.wanted(self.scene))
         # None of them a part of a larger array, which would stay in memory.
         samples = {name: np.ascontiguousarray(values) for name, values in every.items() if name in wanted}
@@ -85,7 +85,7 @@ class ExudynSimulation:
         """Refuse poses of another branch than the start's; those that are followed have the same."""
 
     def _solved(self) -> Array:
-        """Find the samples, shape (2 to 4, n, 3 bodies)."""
+        """Find the samples, shape (3 or 4, n, 3 bodies); accelerations that nobody asks for are not a number."""
         raise NotImplementedError
 
 
@@ -96,7 +96,8 @@ class PointwiseSimulation(ExudynSimulation):
         super().__init__(scene, request)
         self._driven = scene.drive.at(self.times)
         accelerations = any(quantity(name) in ("ax", "ay", "alpha") for name in self.sampling.wanted(scene))
-        self._samples = self._buffer(accelerations=accelerations)
+        self._samples = self._buffer()
+        self._curved = accelerations or len(self._samples) > 3
 
     def _solved(self) -> Array:
         """Follow the pose through the samples, cycle by cycle."""
@@ -104,11 +105,8 @@ class PointwiseSimulation(ExudynSimulation):
         for turn in range(self.sampling.turns):
             rows = slice(turn * self.sampling.samples, (turn + 1) * self.sampling.samples + 1)
             position, rate, acceleration = (values[rows] for values in self._driven)
-            states = self.poses.through(state, position, curved=len(self._samples) > 2)
-            self._samples[0, rows] = states.q
-            self._samples[1, rows] = states.velocities(rate)
-            if len(self._samples) > 2:
-                self._samples[2, rows] = states.accelerations(rate, acceleration)
+            states = self.poses.through(state, position, curved=self._curved)
+            self._samples[:3, rows] = states.q, states.velocities(rate), states.accelerations(rate, acceleration)
             if len(self._samples) > 3:
                 self._samples[3, rows] = self.poses.multipliers(states, rate, acceleration, self.times[rows])
             state = states.rows(-1)
