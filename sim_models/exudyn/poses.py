@@ -8,6 +8,7 @@ Its derivatives by s give velocities and accelerations of any motion, and with t
 Arrays of one state have the shapes given; those of many have one more axis in front.
 """
 
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -70,9 +71,7 @@ class PoseSolver:
         Without curvatures, those of most states are not a number, and have cost nothing.
         """
         knots = self._knots(np.append(state.position, positions))
-        followed = [state]
-        for position in positions[knots]:
-            followed.append(self.follow(followed[-1], float(position)))
+        followed = [*accumulate(positions[knots].tolist(), self.follow, initial=state)]
         known = Configuration(*map(np.array, zip(*followed, strict=True)))
         between = np.delete(np.arange(len(positions)), knots)
         if not len(between):
@@ -99,23 +98,22 @@ class PoseSolver:
         ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
         return np.flatnonzero(ends)
 
-    def follow(
-        self, state: Configuration, position: float, bisections: int = BISECTIONS, goal: float | None = None
-    ) -> Configuration:
+    def follow(self, state: Configuration, goal: float) -> Configuration:
         """The state at another position: predicted and corrected, in smaller steps if the correction is large."""
-        if position == state.position:
-            return state
-        self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")
-        travel = position - state.position
-        guess = state.q + travel * (state.tangent + travel / 2 * state.curvature)
-        reached, closes = self._at(guess, np.asarray(position), state)
-        if closes:
-            return reached
-        goal = position if goal is None else goal
-        if bisections == 0:
-            raise self._stuck(state, goal)
-        middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1, goal)
-        return self.follow(middle, position, bisections - 1, goal)
+        ahead = [goal] if goal != state.position else []
+        while ahead:
+            self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")
+            travel = ahead[-1] - state.position
+            guess = state.q + travel * (state.tangent + travel / 2 * state.curvature)
+            reached, closes = self._at(guess, np.asarray(ahead[-1]), state)
+            if closes:
+                state = reached
+                ahead.pop()
+            elif len(ahead) > BISECTIONS:
+                raise self._stuck(state, goal)
+            else:
+                ahead.append((float(state.position) + ahead[-1]) / 2)
+        return state
 
     def _stuck(self, state: Configuration, goal: float) -> Failure:
         """Why no pose follows: none exists somewhere on the way to the goal, or two are too close together."""
