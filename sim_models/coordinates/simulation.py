@@ -9,7 +9,7 @@ from scenes import Motion, Request, Sampling, Scene
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 
-from .start import begun
+from .poses import begun
 from .system import ClosedPose, System
 
 S = TypeVar("S", bound=System)
