@@ -13,7 +13,7 @@ kinks of a force table and the switch of a press force are where that has them. 
 depends on the number of Gauss-Seidel sweeps, `iterations`: with too few the linkage flips to another branch, whatever
 dt. The masses determine how many are enough.
 
-A drive against the ground prescribes its body's motion. One between moving bodies is a joint, see `drives`: then all
+A drive against the ground prescribes its body's motion. One between moving bodies is a joint, see `space`: then all
 masses are chosen for the sweeps, of which there are as many as it takes, and the forces follow from the motion alone.
 """
 

@@ -1,4 +1,11 @@
-"""The linkage in one pymunk space: a kinematic driven body, dynamic bodies and joints; extras only if set."""
+"""The linkage in one pymunk space: a kinematic driven body, dynamic bodies and joints; extras only if set.
+
+A drive between two moving bodies is a joint that is told before every step where the drive is to be after it. An elbow
+is a gear of ratio 1, whose phase is the drive's position. A cylinder is a bar of a changing length, beside the groove:
+it leads along the guide to the body's first point, from a point of the carrier so far back on the guide that the length
+is never zero. Such a length is not linear in the coordinates, and the engine's steps are; so it is told the one that a
+step in all coordinates, by the same linear equations, takes to the drive's position.
+"""
 
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -12,9 +19,11 @@ from scenes import Failure, Status
 from scenes.scene import GROUND, ConstantSpeed
 
 from .bodies import pair
-from .constraints import LinkageConstraints, PoseArray
-from .drives import drive_joint
+from .constraints import LinkageConstraints, PoseArray, solved
 from .settings import PymunkExtra
+
+AIMS = 6  # at most; each is off by a hundredth of the one before, by how far a step turns the bodies
+ON_TARGET = 1e-14  # of the linkage's size
 
 Bodies: TypeAlias = dict[str, pymunk.Body]
 
@@ -25,6 +34,7 @@ class Model:
     def __init__(
         self, linkage: LinkageConstraints, pose: PoseArray, rate: PoseArray, error_bias: float, extra: PymunkExtra
     ) -> None:
+        self._linkage = linkage
         self.space = pymunk.Space()  # its damping stays 1, no damping, and without shapes nothing collides
         inertias = {name: linkage.moved[name] for name in linkage.members}
         self.bodies = {
@@ -37,7 +47,7 @@ class Model:
         self.joints = {**_pins(linkage, among), **_grooves(linkage, among)}
         keeping = [(linkage.slides[name].on, name) for name in linkage.scene.turning if name in linkage.slides]
         gears = [pymunk.GearJoint(among[carrier], among[slider], 0, 1) for carrier, slider in keeping]  # parallel
-        self.drive = drive_joint(linkage, among) if linkage.scene.drive_on != GROUND else None
+        self.drive = _drive(linkage, among) if linkage.scene.drive_on != GROUND else None
         # The last is the drive's: solved after all others, it does not lag.
         constraints = [*self.joints.values(), *gears, *([self.drive] if self.drive else [])]
         for constraint in constraints:
@@ -58,12 +68,38 @@ class Model:
         for body, (x, y, theta), (vx, vy, omega) in zip(self.bodies.values(), pose[0], rate[0], strict=True):
             body.position, body.angle, body.velocity, body.angular_velocity = (x, y), theta, (vx, vy), omega
 
+    def aim(self, position: float, dt: float) -> None:
+        """Set the joint of the drive so that the next step, of dt, s, takes the drive to a position, rad or m."""
+        if isinstance(self.drive, pymunk.GearJoint):
+            self.drive.phase = position
+            return
+        linkage, record = self._linkage, np.array(_present(self.bodies.values()))
+        q = (record[:, :3] + dt * record[:, 3:])[None]  # where the step begins
+        J, gaps = linkage.jacobian(q), linkage.gaps(q, np.array([position]))
+        step, ratio = solved(np.concatenate([J, J]), np.stack([-gaps[0], np.eye(gaps.size)[-1]]))
+        aimed, missed = position, np.inf
+        for _ in range(AIMS):
+            if abs(missed) > ON_TARGET * linkage.size:
+                missed = float(linkage.drive_position(q + step + (aimed - position) * ratio)[0]) - position
+                aimed -= missed
+        assert self.drive is not None
+        self.drive.distance = aimed - linkage.back
+
     def counters(self, steps: int, sweeps: int) -> dict[str, int]:
         """Count steps, sweeps times constraints, and what is in the space."""
         space = self.space
         sizes = {"bodies": space.bodies, "constraints": space.constraints, "shapes": space.shapes}
         counts = {name: len(members) for name, members in sizes.items()} | {"callbacks": self.callbacks}
         return {"steps": steps, "constraint_iterations": sweeps * counts["constraints"]} | counts
+
+
+def _drive(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.GearJoint | pymunk.PinJoint:
+    """The joint between what drives and what is driven."""
+    scene = linkage.scene
+    ends = bodies[scene.drive_on], bodies[scene.drive.body]
+    if scene.driven_slide is None:
+        return pymunk.GearJoint(*ends, 0, 1)
+    return pymunk.PinJoint(*ends, pair(linkage.back_end), pair(linkage.first_arm(scene.drive.body)))
 
 
 def _motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
@@ -145,10 +181,12 @@ class PropertyRecorder:
 
     def append(self) -> None:
         """Record the present poses and rates."""
-        self._rows.append(
-            [(*body.position, body.angle, *body.velocity, body.angular_velocity) for body in self._bodies]
-        )
+        self._rows.append(_present(self._bodies))
 
     def rows(self) -> PoseArray:
         """All records, shape (records, bodies, 6)."""
         return np.array(self._rows)
+
+
+def _present(bodies: Iterable[pymunk.Body]) -> list[tuple[float, ...]]:
+    return [(*body.position, body.angle, *body.velocity, body.angular_velocity) for body in bodies]

@@ -13,7 +13,6 @@ from scenes.scene import GROUND, ConstantSpeed, Force
 from ..bodies import pair
 from ..channels import Motions
 from ..constraints import PoseArray
-from ..drives import aim
 from ..loads import AppliedForces
 from ..masses import Masses, loaded, masses_of, own_masses
 from ..settings import ERROR_BIAS, PymunkSettings, TextbookSettings
@@ -133,9 +132,7 @@ class Integration:
         """Put the driven body where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}."""
         here, there = self._driven[k + self.steps.pre_roll : k + self.steps.pre_roll + 2]
         if self._model.drive:
-            bodies = self._model.bodies.values()
-            present = [(*body.position, body.angle, *body.velocity, body.angular_velocity) for body in bodies]
-            aim(self._model.drive, self._linkage, np.array(present), there, self.steps.size)
+            self._model.aim(there, self.steps.size)
             return
         behind, rate = 2 * here - there, (there - here) / self.steps.size  # pymunk moves it first, by that rate
         name, slide = self._linkage.scene.drive.body, self._linkage.scene.driven_slide
