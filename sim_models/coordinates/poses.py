@@ -149,8 +149,9 @@ def begun(
 ) -> tuple[Any, PathFollower, ClosedPose, Samples]:
     """Return what all runs of a scene begin with; Failure where constraints repeat others, or no pose is on the branch.
 
-    Those are its constraints, of that kind; its poses, and that at the drive's start; and the ends of press forces'
-    strokes, m. Where asked, the whole way of the drive is followed too.
+    Those are its constraints, of that kind; its poses, and that at the drive's start; and by load the displacement
+    where a press force's stroke ends, m, zero for other loads, shape (loads,). Where asked, the whole way of the drive
+    is followed too.
     """
     system = kind(scene)
     poses, drawn = PathFollower(system), scene.sketched_drive
@@ -165,7 +166,9 @@ def begun(
     pose = next(poses.through(pose, drawn, [drive.start]))
     for end in drive.extent if whole_way else ():
         _ = [*poses.through(pose, drive.start, [end])]
-    return system, poses, pose, stroke_ends(poses, pose)
+    end_of = cache(partial(_end, poses, pose))
+    ends = [end_of(load.body, load.closing) if isinstance(load, PressForce) else 0.0 for load in scene.loads]
+    return system, poses, pose, np.array(ends)
 
 
 def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
@@ -199,14 +202,8 @@ def _apart(poses: PathFollower, position: float, pose: ClosedPose) -> Failure:
     return Failure(Status.cannot_assemble, reason)
 
 
-def stroke_ends(poses: PathFollower, start: ClosedPose) -> Samples:
-    """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
-    end = cache(partial(_end, poses, start))
-    return np.array([end(one.body, one.closing) if isinstance(one, PressForce) else 0.0 for one in poses.scene.loads])
-
-
 def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> float:
-    """Return the furthest displacement in the closing direction: at the best of many positions, or between two."""
+    """Return a stroke's furthest displacement as it closes, m: at the best of many positions, or between two."""
     begin, step = poses.scene.drive.start, poses.largest_step / 4
 
     def closed(pose: ClosedPose) -> float:
