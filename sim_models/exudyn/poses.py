@@ -1,5 +1,7 @@
 """Poses of an Exudyn system: Newton's method on the constraints C(q) = 0 as Exudyn itself evaluates them.
 
+All terms are its own: its solver computes every term of a step's residual and Jacobian.
+
 A pose is a function of the drive's position s, whatever the time; continuation takes it from one position to others.
 Its derivatives by s give velocities and accelerations of any motion, and with the forces the multipliers:
 
@@ -8,17 +10,19 @@ Its derivatives by s give velocities and accelerations of any motion, and with t
 Arrays of one state have the shapes given; those of many have one more axis in front.
 """
 
+from collections.abc import Callable, Iterable
+from functools import wraps
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, ProcessorBudget, Scene, Status
+from scenes.model.constraints import joint_rows, misfit
 
 from .drive import ExudynDrive
-from .equations import Equations
-from .system import Array, ExudynSystem
+from .system import Array, ExudynSystem, exudyn
 
 KNOTS = 18  # poses per cycle that are followed one by one; those between are then found from them all at once
 ITERATIONS = 12  # from a predicted pose, with the Jacobian there
@@ -30,6 +34,74 @@ LARGEST_CORRECTION = 0.1  # of a predicted pose, over the length of the step to 
 BISECTIONS = 30  # of a step, before it counts as impossible
 SECONDS = 60.0  # of processor time, for the build and for every cycle of the solution
 DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
+
+EquationTerm: TypeAlias = Callable[..., Array]
+
+
+def _of_many(term: EquationTerm) -> EquationTerm:
+    """Let a term of one pose take many too: all of its arguments, and then its result, with a leading axis."""
+
+    @wraps(term)
+    def terms(self: "Equations", q: Array, *more: Any) -> Array:
+        if q.ndim == 1:
+            return term(self, q, *more)
+        return np.array([term(self, *each) for each in zip(q, *more, strict=True)])
+
+    return terms
+
+
+class Equations:
+    """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
+
+    def __init__(self, system: ExudynSystem) -> None:
+        self._system, self._mbs, self._state = system, system.mbs, system.state
+        self._solver: Any = exudyn.MainSolverImplicitSecondOrder()
+        self._solver.InitializeSolver(system.mbs, system.settings)
+        self._n = 3 * len(system.bodies)  # coordinates, and as many constraints
+        self._zeros = np.zeros((2 * self._n, 2 * self._n))
+        self._solver.ComputeMassMatrix(system.mbs)
+        self.masses: Array = np.diag(self._solver.GetSystemMassMatrix())  # constant, and diagonal: nodes are at the com
+        still = np.zeros(self._n)
+        self.drive_rate = self.rates(still, still)  # C_t for a drive with a rate of one, the same in any pose
+
+    @_of_many
+    def residual(self, q: Array, position: float) -> Array:
+        """Return C(q) with the drive at a position, shape (constraints,), m and rad."""
+        self._state.SetODE2Coordinates(q)
+        self._system.driven_by.held = position
+        self._solver.ComputeAlgebraicEquations(self._mbs)
+        return np.asarray(self._solver.GetSystemResidual()[self._n :])
+
+    @_of_many
+    def jacobian(self, q: Array) -> Array:
+        """Return C_q, shape (constraints, 3 bodies)."""
+        self._state.SetODE2Coordinates(q)
+        self._solver.SetSystemJacobian(self._zeros)
+        self._solver.ComputeJacobianAE(self._mbs)
+        return np.asarray(self._solver.GetSystemJacobian()[self._n :, : self._n])
+
+    @_of_many
+    def rates(self, q: Array, v: Array) -> Array:
+        """Return C_q v + C_t for a drive that is held with a rate of one, shape (constraints,)."""
+        self._state.SetODE2Coordinates(q)
+        self._state.SetODE2Coordinates_t(v)
+        self._solver.ComputeAlgebraicEquations(self._mbs, velocityLevel=True)
+        return np.asarray(self._solver.GetSystemResidual()[self._n :])
+
+    @_of_many
+    def forces(self, q: Array, v: Array, time: float) -> Array:
+        """Return f at an instant, s: in the system's unit of force, and that times m, shape (3 bodies,)."""
+        self._state.SetODE2Coordinates(q)
+        self._state.SetODE2Coordinates_t(v)
+        self._state.SetTime(time)
+        self._solver.ComputeODE2RHS(self._mbs)
+        return np.asarray(self._solver.GetSystemResidual()[: self._n])
+
+    def misfit(self, q: Array, positions: Iterable[float]) -> str:
+        """Name the joint that stays open when all others close, near q at the first position where one does."""
+        scene, system = self._system.scene, self._system
+        given = self.jacobian, q, system.units, joint_rows(scene.pins, scene.slides), system.size
+        return misfit(scene, positions, lambda position, at: self.residual(at, position), *given)
 
 
 class Configuration(NamedTuple):

@@ -15,9 +15,8 @@ from sim_models.exudyn import poses as exudyn_poses
 from sim_models.exudyn.ablations import ReducedSystem
 from sim_models.exudyn.drive import ExudynDrive, pieces
 from sim_models.exudyn.engine import DEFAULT, EXACT
-from sim_models.exudyn.equations import Equations
 from sim_models.exudyn.loads import press_switches
-from sim_models.exudyn.poses import PoseSolver
+from sim_models.exudyn.poses import Equations, PoseSolver
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from sim_models.exudyn.start import start
 from tests import scene_files
