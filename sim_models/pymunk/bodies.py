@@ -33,20 +33,13 @@ class PymunkBody:
 
 def rigid(scene: Scene, body: Body) -> PymunkBody:
     """A body of the scene, in its frame there; Failure where its lengths do not close, or nothing shows how."""
-    points = _points(scene, body)
+    points = {point: complex(*place) for point, place in (body.local or {}).items()}
+    if body.lengths is not None:  # each point by its distances from two before it
+        first, second, *others = body.points
+        points = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
+        for point in others:
+            points[point] = _apex(scene, body, point, points)
     return PymunkBody(points, *_mass_properties(body, points))
-
-
-def _points(scene: Scene, body: Body) -> dict[str, complex]:
-    """Place the body's points in its frame, m: as given, or each by its distances from two before it."""
-    if body.local is not None:
-        return {point: complex(*place) for point, place in body.local.items()}
-    assert body.lengths is not None
-    first, second, *others = body.points
-    frame = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
-    for point in others:
-        frame[point] = _apex(scene, body, point, frame)
-    return frame
 
 
 def _apex(scene: Scene, body: Body, c: str, frame: Mapping[str, complex]) -> complex:

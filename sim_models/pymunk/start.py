@@ -7,7 +7,7 @@ in small steps, each corrected by Newton's method; no step may change the branch
 from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from itertools import product
-from math import radians, sqrt, tau
+from math import radians, sqrt
 from typing import TypeAlias
 
 import numpy as np
@@ -84,20 +84,19 @@ def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
 
 
 def _angles(linkage: LinkageConstraints, shown: Shown, position: float) -> dict[frozenset[str], float]:
-    """The angles of the bodies that slides keep parallel, as the sketch shows them.
+    """The angles of the bodies that slides keep parallel: as sketched, but a crank is turned from what it is driven on.
 
     A common angle of bodies fits the arms a of their points p best where sum conj(a) p is real, both less their means.
     """
     scene = linkage.scene
     ground, on, driven = (scene.aligned[name] for name in (GROUND, scene.drive_on, scene.drive.body))
     angles = {ground: 0.0}
-    for group in {*scene.aligned.values()} - {ground, driven if on == ground else ground}:
+    for group in {*scene.aligned.values()} - {ground}:
         fits = (np.vdot(a - a.mean(), p - p.mean()) for a, p in (shown[name] for name in sorted(group)) if len(a))
         if fit := sum(fits) or _fit_of_pairs(linkage, group, shown, position):
             angles[group] = float(np.angle(fit))
     if scene.driven_slide is None:
-        turned = angles.setdefault(on, angles.get(driven, position) - position) + position
-        angles[driven] = angles.setdefault(driven, turned) + tau * round((turned - angles[driven]) / tau)
+        angles[driven] = angles.setdefault(on, angles.get(driven, position) - position) + position
     return dict.fromkeys(scene.aligned.values(), 0.0) | angles
 
 
