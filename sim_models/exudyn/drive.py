@@ -3,14 +3,12 @@
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from math import ceil, inf
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from scenes.laws import Piece
 from scenes.scene import ConstantSpeed, Drive, HarmonicLaw, SegmentedLaw
-
-Function: TypeAlias = Callable[[float], float]  # of Exudyn's clock, s
 
 CUBED = 3  # in a cubic's polynomial, the place of what the jerk is six times of
 SAME_JERK = 1e-9  # of the largest in the law: neighbours of one cubic, as at the ends of a not-a-knot spline
@@ -39,8 +37,8 @@ class ExudynDrive:
     While it is held its rate is one: velocities are then derivatives by the position.
     """
 
-    position: Function  # rad or m
-    rate: Function
+    position: Callable[[float], float]  # rad or m, of Exudyn's clock, s
+    rate: Callable[[float], float]
 
     def __init__(self, held: float = 0.0) -> None:
         self.held = held

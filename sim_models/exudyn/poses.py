@@ -13,7 +13,7 @@ Arrays of one state have the shapes given; those of many have one more axis in f
 from collections.abc import Callable, Iterable
 from functools import wraps
 from itertools import accumulate
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,10 +35,8 @@ BISECTIONS = 30  # of a step, before it counts as impossible
 SECONDS = 60.0  # of processor time, for the build and for every cycle of the solution
 DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
 
-EquationTerm: TypeAlias = Callable[..., Array]
 
-
-def _of_many(term: EquationTerm) -> EquationTerm:
+def _of_many(term: Callable[..., Array]) -> Callable[..., Array]:
     """Let a term of one pose take many too: all of its arguments, and then its result, with a leading axis."""
 
     @wraps(term)
