@@ -168,22 +168,23 @@ class PoseSolver:
         ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
         return np.flatnonzero(ends)
 
-    def follow(self, state: Configuration, goal: float) -> Configuration:
+    def follow(
+        self, state: Configuration, position: float, bisections: int = BISECTIONS, goal: float | None = None
+    ) -> Configuration:
         """The state at another position: predicted and corrected, in smaller steps if the correction is large."""
-        ahead = [goal] if goal != state.position else []
-        while ahead:
-            self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")
-            travel = ahead[-1] - state.position
-            guess = state.q + travel * (state.tangent + travel / 2 * state.curvature)
-            reached, closes = self._at(guess, np.asarray(ahead[-1]), state)
-            if closes:
-                state = reached
-                ahead.pop()
-            elif len(ahead) > BISECTIONS:
-                raise self._stuck(state, goal)
-            else:
-                ahead.append((float(state.position) + ahead[-1]) / 2)
-        return state
+        if position == state.position:
+            return state
+        self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")
+        travel = position - state.position
+        guess = state.q + travel * (state.tangent + travel / 2 * state.curvature)
+        reached, closes = self._at(guess, np.asarray(position), state)
+        if closes:
+            return reached
+        goal = position if goal is None else goal
+        if bisections == 0:
+            raise self._stuck(state, goal)
+        middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1, goal)
+        return self.follow(middle, position, bisections - 1, goal)
 
     def _stuck(self, state: Configuration, goal: float) -> Failure:
         """Why no pose follows: none exists somewhere on the way to the goal, or two are too close together."""
