@@ -9,7 +9,12 @@ from unicodedata import normalize
 
 import pytest
 
-from tests.pages import found_by_axe
+from compare.report.output import files
+from scenes import load
+from scenes.limits import NAME
+from tests import scene_files
+from tests.comparisons import studied
+from tests.pages import found_by_axe, silent
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -91,6 +96,17 @@ def test_no_sideways_scrolling(report: "Page", width: int) -> None:
     assert outside == []
     report.evaluate("document.querySelectorAll('details').forEach(part => (part.open = false))")
     report.set_viewport_size({"width": 1400, "height": 900})
+
+
+def test_names_as_long_as_may_be_are_broken(browser: "Browser", tmp_path: Path) -> None:
+    """Of a body in a sentence, of a limit beside the verdict, and of a title that is one word."""
+    name, body = "W" * NAME, {"points": {"O": [0, 0], "W" * NAME: [2, 0]}, "mass": 4}
+    limits, named = {f"{name}.speed": {"most": 1}}, {"bodies": {name: body}, "drive.body": name, "title": name}
+    changes = named | {"sketch": {name: [2, 0]}, "output.point": name, "limits": limits}
+    path = files.write(studied(load(scene_files.write(tmp_path, "crank", changes))), tmp_path) / "report.html"
+    with silent(browser, path, viewport={"width": 390, "height": 900}) as page:
+        assert page.locator(".verdict", has_text=name).count()
+        assert page.evaluate("document.documentElement.scrollWidth") == 390
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
