@@ -20,7 +20,7 @@ from scenes.file.changes import at_path
 from scenes.file.reader import tables_of
 from scenes.limits import NAME
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
-from scenes.scene import ConstantSpeed, TorsionSpring
+from scenes.scene import ConstantSpeed, Spring, TorsionSpring
 
 from ...engines import registry
 from ...judge.proof import channels_of
@@ -93,6 +93,9 @@ class Bench:
             if body.local is not None and tables["bodies"][name].pop("lengths", None):
                 points = {point: [float(f"{q / metre:.12g}") for q in place] for point, place in body.local.items()}
                 tables["bodies"][name]["points"] = points
+        for kind, rest in (("springs", "length"), ("torsion_springs", "angle")):
+            for spring in tables.get(kind, ()):
+                spring.setdefault(rest, 0)  # of a damper, which may get a stiffness
         return tables
 
     def _peak(self, channel: str) -> float:
@@ -218,7 +221,9 @@ def _sums(scene: Scene) -> Iterator[tuple[str, Signs]]:
             sides = [_length(body, *pair) for pair in combinations((*bases, point), 2) if len(bases) == 2]
             text = f"the triangle of {', '.join((*bases, point))} cannot close"
             yield from ((text, {one: -1 if one == longest else 1 for one in sides}) for longest in sides)
-    for place, _ in scene.elements:
+    for place, one in scene.elements:
+        if isinstance(one, Spring | TorsionSpring) and one.damping is None:
+            yield f"{place} has neither stiffness nor damping", {f"{place}.stiffness": 1}
         rows = [path for path in scene.numbers if fnmatch(path, f"{place}.table.*.0")]
         yield from ((f"the rows of {place}.table are out of order", {a: -1, b: 1}) for a, b in pairwise(rows))
 
