@@ -14,7 +14,7 @@ from ..core.groups.group_equations import Group
 from ..solve import driven_at, solver
 from .arithmetics.loops import Language, Loop
 from .expressions import SIGNS, Expression
-from .program import recorded
+from .program import BALANCE, recorded
 from .traced import traced
 
 FIXED = ("drive.start",)  # positions are counted from there
@@ -47,7 +47,8 @@ def page_program(
         of how many positions there are; `given`, the values of its arrays at these positions, by name; `strokes`, by
         the input that each finds, the `text` of a function of the same kind, of its `numbers` and what is `given`, for
         a slider's displacement, m, its rate and the sign in which it closes; `gaps`, a `text` of the same kind that is
-        negative where one of `joints` does not close, the first of them being why the others do not.
+        negative where one of `joints` does not close, the first of them being why the others do not; where that is
+        `balance`, a few steps do not find what may be there.
 
     Raises:
         Failure: as of `solver`.
@@ -70,6 +71,7 @@ def page_program(
         "given": {name: np.broadcast_to(given[name], instants.shape) for name in line["given"]},
         "strokes": {place: script([*of, sense[place]]) for place, of in program.strokes.items()},
         "gaps": {
+            "balance": BALANCE,
             "joints": [name.partition(" (")[0] for name in program.conditions],
             **script([*program.conditions.values()]),
         },

@@ -33,6 +33,7 @@ from .expressions import Closing, Expression, Inputs, Recorder, forward
 from .traced import Traced, traced
 
 NEARLY_HALF = 3.0  # rad, of a turn
+BALANCE = "the balance with friction"  # of which a few steps may not find what is there
 
 
 @dataclass(frozen=True)
@@ -206,7 +207,7 @@ class RecordedBalance(FrictionBalance):
 
     def contracts(self, bound: Any) -> None:
         """Have the reach negative where a bound on a map's contraction is not below one."""
-        self.k.reach[f"the balance with friction ({len(self.k.reach)})"] = chosen(bound < 1, 1.0, -1.0)
+        self.k.reach[f"{BALANCE} ({len(self.k.reach)})"] = chosen(bound < 1, 1.0, -1.0)
 
     def larger(self, group: Group) -> None:
         """Balance a larger group: the multipliers of its constraints, from the transpose of their Jacobian."""

@@ -34,6 +34,24 @@ PRESS = {  # by a law, its force gone between two samples; with a number on whic
         {"path": "loads.0.last", "plus_minus": 2},
     ],
 }
+YOKE = {  # with so much friction that a few steps do not always find its balance
+    "bodies.yoke.com": [60, 5],
+    "bodies.yoke.inertia": 8e4,
+    "friction": [
+        {"slider": "yoke", "length": 150, "coefficient": 0.1},
+        {"slider": "block", "length": 40, "coefficient": 0.05},
+        {"at": "A", "radius": 10, "coefficient": 0.1},
+    ],
+    "bodies.block.com": [0, 0],
+    "bodies.block.inertia": 600,
+    "gravity": [0, -9.81],
+    "loads": [{"body": "yoke", "at": "T", "force": [-400, 0], "last": 60}],
+    "variations": [
+        {"path": "friction.0.coefficient", "plus_minus": 0.05},
+        {"path": "bodies.yoke.slides.through.1", "plus_minus": 1},
+    ],
+    "limits": {"T.x": {"most": 320}},
+}
 LEVER = {  # a coupler by three lengths on one line, and as long a name as may be
     "name": "n" * NAME,
     "bodies.coupler": {"lengths": {"A-B": 350, "A-T": 150, "B-T": 200}, "mass": 2},
@@ -173,6 +191,7 @@ def test_a_copied_scene_has_points_where_lengths_are_on_one_line(lever: "Page", 
     [
         ("bodies.rocker.lengths.B-D", 20, "the triangle of C, B, D cannot close"),
         ("loads.0.table.0.0", 500, "the rows of loads.0.table are out of order"),
+        ("torsion_springs.1.stiffness", 0, "torsion_springs.1 has neither stiffness nor damping"),
         ("bodies.coupler.points.T.1", 40, "coupler has a mass as a bar, and needs 'com' and 'inertia'"),
     ],
 )
@@ -183,6 +202,31 @@ def test_numbers_that_no_file_may_have_together_are_no_linkage(
     typed(lever, path, value)
     assert text in lever.locator("#bench .open").inner_text()
     assert now(lever, "Drive: torque")[1:4] == ["– N m", "–", "–"]
+
+
+def test_a_damper_gets_a_stiffness(browser: "Browser", folder: Path) -> None:
+    """The scene that is copied has the length too, which its file had not."""
+    for page in opened(browser, written(folder, "twisted_four_bar", {})[1]):
+        typed(page, "springs.0.stiffness", 0.3)
+        scene = copied(page, folder)
+        size = np.abs(analytic.solve(scene, *turn(scene))["drive.torque"]).max()
+        assert abs(shown(now(page, "Drive: torque")[1])) == pytest.approx(size, rel=1e-3)
+
+
+def test_machines_whose_friction_a_few_steps_do_not_balance_are_not_known(browser: "Browser", folder: Path) -> None:
+    """The core solves all of them, and all meet the limit: the page has a least and a largest yield."""
+    scene, path = written(folder, "scotch_yoke", YOKE)
+    time = np.linspace(0, scene.drive.cycle, 73)
+    core = analytic.solve_many(scene, draws(scene, 0, 0, 500), scene.drive.at(time).position, time)
+    assert core.ok.all()
+    assert (core["T.x"] <= 0.32).all()
+    for page in opened(browser, path):
+        page.locator("#bench [name=machines]").check()
+        page.wait_for_function("document.querySelector('#bench .machines').textContent")
+        text = page.locator("#bench .machines").inner_text()
+        left = int(re.findall(r"For (\d+) the page does not find the balance with friction", text)[0])
+        assert f"{500 - left} to 500 of them, {(500 - left) / 5:.1f} to 100.0 %, meet all limits" in text
+        assert "no solution" not in text
 
 
 def test_a_torsion_spring_goes_with_a_body_that_is_turned_over(browser: "Browser", folder: Path) -> None:

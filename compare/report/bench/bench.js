@@ -78,7 +78,7 @@ const update = () => {
   if (isEdited) force.value = force.value && 0, magnify.value = 0;
   force.disabled = magnify.disabled = isEdited;
   const open = unclosed(rowsNow), wrong = unmet(edited);
-  const from = () => `from ${position(open[0])} to ${position(open.at(-1))}, where ${gaps(open).join(" and ")} cannot be closed`;
+  const from = () => `from ${position(open[0])} to ${position(open.at(-1))}, where it cannot close ${gaps(open, edited).join(" and ")}`;
   inTable(".open").textContent = wrong ? `No scene file may have these numbers: ${wrong.text}.` : open.length
     ? `The page finds no solution at ${open.length} of ${count} positions, ${from()}: the nearest pose is drawn.` : "";
   guides.forEach(lay => lay());

@@ -70,10 +70,11 @@ const solve = (number, rows, by = line) => {
   for (const n of unclosed(rows)) for (const row of rows) row[n] = NaN; // whatever the formulas give
   return rows;
 };
-const gaps = open => { // at some samples, what does not close
+let closing = null;
+const gaps = (open, number) => { // at some samples, what does not close
   const { joints, text, numbers: paths, given: names } = bench.gaps, rows = joints.map(() => new Float64Array(count));
-  const all = inputs(edited), own = names.map(name => all[Object.keys(given).indexOf(name)]);
-  compiled(text)(paths.map(path => edited[index[path]]), own, rows, count);
+  const all = inputs(number), own = names.map(name => all[Object.keys(given).indexOf(name)]);
+  (closing ??= compiled(text))(paths.map(path => number[index[path]]), own, rows, count);
   return [...new Set(open.map(n => joints[rows.findIndex(row => !(row[n] >= 0))]))];
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));
