@@ -14,6 +14,7 @@ from math import inf, pi
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
+from timeit import timeit
 
 import numpy as np
 
@@ -61,14 +62,12 @@ def main() -> None:
         PUBLISHED.write_text("\n\n".join(sections) + "\n", encoding="utf-8")
 
 
-def seconds(jobs: Mapping[str, Callable[[], object]], rounds: int = ROUNDS) -> dict[str, float]:
-    """Return the least processor time of each job, s; they take turns."""
+def seconds(jobs: Mapping[str, Callable[[], object]], rounds: int = ROUNDS, times: int = 1) -> dict[str, float]:
+    """Return the least processor time of each job, s; they take turns, each so many times in a row."""
     least = dict.fromkeys(jobs, inf)
     for _ in range(rounds):
         for name, job in jobs.items():
-            began = process_time()
-            job()
-            least[name] = min(least[name], process_time() - began)
+            least[name] = min(least[name], timeit(job, timer=process_time, number=times) / times)
     return least
 
 
@@ -91,20 +90,14 @@ def positions_of_many() -> list[tuple[str, str, str, str]]:
     took = seconds(
         {
             "long": lambda: one(np.linspace(0, 2 * pi, 72_000)),
-            "many": lambda: analytic.solve_many(scene, changes, angles, channels=wanted),
+            "solve_many": lambda: analytic.solve_many(scene, changes, angles, channels=wanted),
             "prepared": lambda: many(angles),
-            "compiled": lambda: fast(angles),
+            "prepared, machine code": lambda: fast(angles),
         }
     )
-    unit, name = took["long"] / 72_000 * 200, "200 positions of one long run"
-    return [
-        (f"64 machines x 200 angles, {len(scene.moving_points)} joints, {what}", *share(took[key] / 64, unit, name))
-        for key, what in (
-            ("many", "solve_many"),
-            ("prepared", "prepared"),
-            ("compiled", "prepared, machine code"),
-        )
-    ]
+    unit, name = took.pop("long") / 72_000 * 200, "200 positions of one long run"
+    size = f"64 machines x 200 angles, {len(scene.moving_points)} joints"
+    return [(f"{size}, {what}", *share(time / 64, unit, name)) for what, time in took.items()]
 
 
 def every_channel() -> list[tuple[str, str, str, str]]:
@@ -131,7 +124,7 @@ def every_channel() -> list[tuple[str, str, str, str]]:
 
 def few_positions() -> list[tuple[str, str, str, str]]:
     """Time a prepared solver of the toggle press at one position and at 72."""
-    scene, again = scenes.load("toggle_press"), 200
+    scene = scenes.load("toggle_press")
     solvers: dict[str, Callable[[np.ndarray], object]] = {
         "the core": analytic.solver(scene),
         "machine code": analytic.fast_solver(scene, compiled=True),
@@ -140,29 +133,20 @@ def few_positions() -> list[tuple[str, str, str, str]]:
     rows = []
     for count in (1, 72):
         angles = np.linspace(0, 6, count)
-        jobs = {name: partial(repeated, solve, angles, again) for name, solve in solvers.items()}
-        for job in jobs.values():
-            job()
-        took = {name: time / again for name, time in seconds(jobs).items()}
+        took = seconds({name: partial(solve, angles) for name, solve in solvers.items()}, times=200)
         core = took.pop("the core")
         some = "one position" if count == 1 else f"{count} positions"
         rows += [(f"{some}, {name}", *share(time, core, "the core")) for name, time in took.items()]
     return rows
 
 
-def repeated(solve: Callable[[np.ndarray], object], angles: np.ndarray, times: int) -> None:
-    """Solve again and again."""
-    for _ in range(times):
-        solve(angles)
-
-
 def streams() -> list[tuple[str, str, str, str]]:
     """Time reductions of a million and of a hundred million positions, each in a process of its own."""
-    found = {}
+    found = []
     for count in (10**6, 10**8):
         run = subprocess.run([sys.executable, "-c", STREAM, str(count)], check=True, capture_output=True, text=True)
-        found[count] = [float(number) for number in run.stdout.split()]
-    (million, _), (all_, megabytes) = found.values()
+        found.append([float(number) for number in run.stdout.split()])
+    (million, _), (all_, megabytes) = found
     what = f"1e8 positions, extremes and integral of the torque, {megabytes:.0f} MB: a position"
     return [(what, *share(all_ / 1e8, million / 1e6, "of 1e6 positions"))]
 

@@ -4,15 +4,14 @@ Memory is the most that one process had. The last columns hold the 20 machines o
 own, and the sampled standard deviations of the numbers that are called linear against those of the linear model.
 """
 
-import os
 import sys
 from json import loads
 from pathlib import Path
-from subprocess import DEVNULL, Popen
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
+from benchmarks.sizes import cost
 from compare.judge.peaks.peaks import peaks
 from compare.mechanics.reference import uncertified
 from scenes import Sampling, load
@@ -31,20 +30,16 @@ def main(count: str = "100000") -> None:
 
 
 def _row(scene: str, count: str, folder: Path) -> str:
-    """Run the command line as a process of its own, and return what it cost and found."""
-    command = [sys.executable, "-m", "compare.run", scene, "--monte-carlo", count, "--out", str(folder)]
+    """Return what a run cost and found."""
     begin = perf_counter()
-    process = Popen(command, stdout=DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    wall = perf_counter() - begin
-    process.returncode = os.waitstatus_to_exitcode(status)  # it is waited for
-    if process.returncode:
-        return f"| {scene} | ended with status {process.returncode} |"
+    status, *used = cost([scene, "--monte-carlo", count, "--out", str(folder)])
+    wall = f"{perf_counter() - begin:.0f} s"
+    if status:
+        return f"| {scene} | ended with status {status} |"
     result = loads((folder / scene / "monte_carlo.json").read_text(encoding="utf-8"))
     moving = [number for number in result["numbers"] if number["deviation"] and number["unexplained"] <= LINEAR]
     off = max(abs(number["linear"] / number["deviation"] - 1) for number in moving)
-    cost = f"{wall:.0f} s", f"{used.ru_utime + used.ru_stime:.0f} s", f"{used.ru_maxrss / 1024:.0f} MB"
-    cells = scene, f"{result['machines']:,}", *cost, f"{_alone(scene, result):.0e}", f"{100 * off:.2f} %"
+    cells = scene, f"{result['machines']:,}", wall, *used, f"{_alone(scene, result):.0e}", f"{100 * off:.2f} %"
     return f"| {' | '.join(cells)} |"
 
 

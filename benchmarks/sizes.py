@@ -36,20 +36,25 @@ def main(cases: Sequence[str]) -> None:
 
 
 def _row(case: str, scene: str, arguments: Sequence[str], folder: Path) -> str:
-    """Run the command line as a process of its own, and return what it cost."""
-    command = [sys.executable, "-m", "compare.run", scene, *arguments, "--out", str(folder)]
-    process = Popen(command, stdout=DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)  # it is waited for
-    if process.returncode:
-        return f"| {case} | ended with status {process.returncode} |"
+    """Return what a run cost, and how it ended."""
+    status, time, memory = cost([scene, *arguments, "--out", str(folder)])
+    if status:
+        return f"| {case} | ended with status {status} |"
     results = folder / Path(scene).stem
     summary = loads((results / "summary.json").read_text(encoding="utf-8"))
     rows = summary["sampling"]["samples"] * summary["sampling"]["turns"] + 1
     statuses = ", ".join(f"{engine} {of['status']}" for engine, of in summary["engines"].items())
-    memory, page = used.ru_maxrss / 1024, (results / "report.html").stat().st_size / 1e6
-    cells = case, f"{rows:,}", len(load(scene).bodies), f"{used.ru_utime + used.ru_stime:.0f} s"
-    return " | ".join(["", *map(str, cells), f"{memory:.0f} MB", f"{page:.2f} MB", statuses, ""]).strip()
+    page = (results / "report.html").stat().st_size / 1e6
+    cells = case, f"{rows:,}", f"{len(load(scene).bodies)}", time, memory, f"{page:.2f} MB", statuses
+    return f"| {' | '.join(cells)} |"
+
+
+def cost(arguments: Sequence[str]) -> tuple[int, str, str]:
+    """Run the command line as a process of its own, and return its status, processor time and memory."""
+    process = Popen([sys.executable, "-m", "compare.run", *arguments], stdout=DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)  # it is waited for
+    return process.returncode, f"{used.ru_utime + used.ru_stime:.0f} s", f"{used.ru_maxrss / 1024:.0f} MB"
 
 
 if __name__ == "__main__":
