@@ -18,8 +18,7 @@ from .equations import EQUATIONS, KINDS, VELOCITY_RATIO, moving, scale
 from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
 from .limits import constraints, largest_force_ratio
 from .printed import SCENES, TABLE_1, TABLE_2
-from .rounding import corners
-from .tables import SPEED, measured, table_1, table_2
+from .tables import SPEED, corners, measured, table_1, table_2
 
 SOURCE = "double-toggle clamp"
 ENGINES = ("exudyn", "pymunk")

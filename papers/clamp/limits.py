@@ -8,7 +8,7 @@ from .constraints import ALONE, BOTH, LOOSEST, Clearance, opening
 from .formulas import DEGREE, at
 from .measures import MEASURES
 from .optimisation.search import Problem, search
-from .rounding import Corners
+from .tables import Corners
 
 PINS = (60.0, 140.0)  # mm, plausible diameters of the pins B, D and E
 HEIGHTS = (100.0, 500.0)  # mm, plausible heights H_s of the crosshead

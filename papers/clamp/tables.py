@@ -1,26 +1,30 @@
-"""Double-toggle clamp: its two tables, and what was measured."""
+"""Double-toggle clamp: its two tables, what the rounding of table 2 does to table 1, and what was measured."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
 from math import sqrt
 from typing import TypeAlias
 
 import numpy as np
+from scipy.optimize import minimize
 
 from scenes.model.motion import Samples
 
-from ..claims import OPEN, Claim, comparison, joined, number
+from ..claims import OPEN, Claim, Range, comparison, half_unit, joined, number
 from . import formulas
-from .formulas import DEGREE, PUBLISHED
+from .formulas import DEGREE, PUBLISHED, UNITS, Array, Design, assembles, closed
 from .measures import MEASURES
 from .printed import MEASURED, TABLE_1, TABLE_2
-from .rounding import COUNT, Corners, Measured, one_for_all, sensitivity
 
+Measured: TypeAlias = Callable[[Design], Array]
 Spans: TypeAlias = Mapping[str, Mapping[str, float]]  # by reading, then by design, and `change`
 
 NEAR_LOCK = 2.5  # deg, where M_P is printed
 SPEED = 100.0  # mm/s, of the crosshead, which is not given
 SPEEDS = (50.0, 200.0)  # mm/s, that are plausible
 ALPHAS = 1001  # over the stroke
+COUNT = 2**8  # corners of the eight values of table 2 that take part in the motion
 
 QUANTITIES: Mapping[str, tuple[Measured, str]] = {
     "M_P": (MEASURES["M_P"].of, f"at α = {NEAR_LOCK}°"),
@@ -39,6 +43,35 @@ UNLIKE: Mapping[str, Callable[[Samples], float]] = {
     "its peak": lambda a: float(a.max()),
     "its peak less its mean": lambda a: float(a.max() - a.mean()),
 }  # what peak-valley might mean instead
+
+
+@dataclass(frozen=True)
+class Corners:
+    """A design of table 2 at face value, and at those corners of its rounding at which it can lock."""
+
+    designs: Design  # values of shape (m,), the face value first
+    locking: int  # of the `COUNT` corners
+
+    def over(self, quantity: Measured) -> tuple[float, Range]:
+        """A quantity at face value, and its range over the rounding."""
+        values = quantity(self.designs)
+        return float(values[0]), (float(values.min()), float(values.max()))
+
+
+def values_and_halves(name: str) -> tuple[Array, Array]:
+    """The values of a design of table 2, mm and deg, and half a unit of the last digit of each."""
+    texts = TABLE_2[name].values()
+    return np.array([float(text) for text in texts]), np.array([half_unit(text) for text in texts])
+
+
+def corners(name: str) -> Corners:
+    """A design of table 2 with the corners of its rounding."""
+    values, halves = values_and_halves(name)
+    signs = np.array([np.zeros(len(values)), *product((-1, 1), repeat=len(values))])
+    d = Design(*(UNITS * (values + halves * signs)).T)
+    locks = assembles(d)
+    # L3 takes no part in the motion: every corner of the others stands here twice.
+    return Corners(Design(*(of[locks] for of in d)), int(locks[1:].sum()) // 2)
 
 
 def table_1(known: Mapping[str, Corners]) -> Iterator[Claim]:
@@ -73,9 +106,40 @@ def _together(name: str) -> Claim:
     )
 
 
+def one_for_all(name: str, wanted: Sequence[tuple[Measured, str]]) -> dict[str, float] | None:
+    """A clamp within the rounding of table 2, L3 included, that has all wanted numbers to their last digits.
+
+    Of its values and its numbers the one that is off most, in half units, is off least. None where that search leads
+    nowhere, which proves nothing.
+    """
+    centre, halves = values_and_halves(name)
+    target, units = (np.array([of(text) for _, text in wanted]) for of in (float, half_unit))
+    n = len(centre)
+
+    def clamp(x: Array) -> Design:
+        """Return the clamp with other values by x, in half units, but with the L3 that closes it."""
+        return closed(Design(*(UNITS * (centre + halves * x[:n]))))
+
+    def room(x: Array) -> Array:
+        """Return by how much all stay within the most, the last of x, above and below, in half units."""
+        d = clamp(x)
+        numbers = np.array([quantity(d) for quantity, _ in wanted])
+        off = np.concatenate([(d / UNITS - centre) / halves, (numbers - target) / units])
+        return np.concatenate([x[n] - off, x[n] + off])
+
+    start, within = np.append(np.zeros(n), 1.0), {"type": "ineq", "fun": room}
+    end = minimize(lambda x: x[n], start, constraints=within, method="SLSQP")
+    if not (end.success and end.x[n] <= 1):
+        return None
+    return dict(zip(Design._fields, (clamp(end.x) / UNITS).tolist(), strict=True))
+
+
 def _about_force_ratio(name: str) -> str:
-    changes = list(sensitivity(name).items())[:3]
-    moved = ", ".join(f"{variable} by {100 * change:+.1f} %" for variable, change in changes)
+    """How much half a unit of table 2 changes M_P, by the three values that weigh most, and where it is as printed."""
+    values, halves = values_and_halves(name)
+    ratio, *more = MEASURES["M_P"].of(Design(*(UNITS * np.vstack([values, values + np.diag(halves)])).T))
+    changes = sorted(zip(Design._fields, np.divide(more, ratio) - 1, strict=True), key=lambda change: -abs(change[1]))
+    moved = ", ".join(f"{variable} by {100 * change:+.1f} %" for variable, change in changes[:3])
     alphas = np.linspace(1, 5, 4001)  # deg
     there = np.interp(
         1 / float(TABLE_1["M_P"][name]), formulas.velocity_ratio(formulas.at(PUBLISHED[name], DEGREE * alphas)), alphas

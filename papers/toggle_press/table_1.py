@@ -19,18 +19,12 @@ from scenes import Sampling, Scene, load
 from scenes.model.motion import Samples
 
 from ..claims import Claim, comparison, joined, limit, number, span
-from .kinematics import LENGTHS
+from .kinematics import BARS, BODIES, LENGTHS
 
 TURN = Sampling(3600)
 STEP = tau / TURN.samples
-PATHS = (
-    "bodies.crank.points.P2.0",
-    "bodies.rocker.lengths.O-P3",
-    "bodies.toggle.lengths.P2-P3",
-    "bodies.toggle.lengths.P3-P4",
-    "bodies.toggle.lengths.P2-P4",
-    "bodies.rod.lengths.P4-P5",
-)  # of the toggle press's lengths in its scene file
+OTHERS = [f"bodies.{body}.lengths.{start}-{end}" for body, (start, end) in zip(BODIES, BARS, strict=True)][1:]
+PATHS = ("bodies.crank.points.P2.0", *OTHERS)  # of the toggle press's lengths in its scene file
 ROUNDING = 0.5  # mm: they are printed without decimals
 PART = 0.01  # by which one length of a member of the family is longer or shorter
 DWELLING = 0.01  # of the stroke: so near to its lowest point the slider dwells

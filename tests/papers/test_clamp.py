@@ -10,7 +10,7 @@ from papers.claims import EXACT, Claim, Verdict, half_unit
 from papers.clamp.claims import ENGINES, by_engines, claims
 from papers.clamp.measures import MEASURES
 from papers.clamp.printed import TABLE_2
-from papers.clamp.rounding import corners, one_for_all
+from papers.clamp.tables import corners, one_for_all
 
 from . import audit_transcription as second
 

@@ -36,16 +36,7 @@ def write(
     The designs `chosen` are drawn beside scheme 4; the optimisation took so many seconds.
     """
     rows = tables.rows(points)
-    with placed(folder, "design", FILES) as aside:
-        pd.DataFrame(rows).to_csv(aside / "design.csv", index=False)
-        (aside / "design.json").write_text(json_text(_all(points, rechecks, seconds, rows)), encoding="utf-8")
-        (aside / "design.html").write_text(page(points, rechecks, chosen, seconds), encoding="utf-8")
-    return folder / "design"
-
-
-def page(points: Sequence[Point], rechecks: Sequence[Recheck], chosen: Mapping[str, Design], seconds: float) -> str:
-    """The whole report as HTML."""
-    return render(
+    page = render(
         "clamp/optimisation/design.html",
         "papers",
         tables=tables,
@@ -60,6 +51,11 @@ def page(points: Sequence[Point], rechecks: Sequence[Recheck], chosen: Mapping[s
         literal=" and ".join(f"{-slacks(d, BOTH)[LITERAL] / DEGREE:.1f} deg ({name})" for name, d in PUBLISHED.items()),
         clearances=CLEARANCES,
     )
+    with placed(folder, "design", FILES) as aside:
+        pd.DataFrame(rows).to_csv(aside / "design.csv", index=False)
+        (aside / "design.json").write_text(json_text(_all(points, rechecks, seconds, rows)), encoding="utf-8")
+        (aside / "design.html").write_text(page, encoding="utf-8")
+    return folder / "design"
 
 
 def _all(
