@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping
 from ..claims import Claim, limit, number
 from . import printed
 from .constraints import ALONE, BOTH, LOOSEST, Clearance, opening
-from .formulas import DEGREE, at
-from .measures import MEASURES
+from .formulas import DEGREE, MEASURES, at
 from .optimisation.search import Problem, search
 from .tables import Corners
 

@@ -13,8 +13,7 @@ from scenes.model.motion import Samples
 
 from ..claims import OPEN, Claim, Range, comparison, half_unit, joined, number
 from . import formulas
-from .formulas import DEGREE, PUBLISHED, UNITS, Array, Design, assembles, closed
-from .measures import MEASURES
+from .formulas import DEGREE, MEASURES, PUBLISHED, UNITS, Array, Design, assembles, closed
 from .printed import MEASURED, TABLE_1, TABLE_2
 
 Measured: TypeAlias = Callable[[Design], Array]

@@ -8,7 +8,7 @@ import pytest
 from compare.engines import registry
 from papers.claims import EXACT, Claim, Verdict, half_unit
 from papers.clamp.claims import ENGINES, by_engines, claims
-from papers.clamp.measures import MEASURES
+from papers.clamp.formulas import MEASURES
 from papers.clamp.printed import TABLE_2
 from papers.clamp.tables import corners, one_for_all
 

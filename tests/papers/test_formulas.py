@@ -8,8 +8,7 @@ import pytest
 import analytic
 from papers.clamp import formulas
 from papers.clamp.constraints import ALONE, BOTH, LITERAL, OPENING, SLENDER, STROKE, slacks, tightest
-from papers.clamp.formulas import DEGREE, INITIAL, PUBLISHED, RATED, SCHEME_4, Array, Design
-from papers.clamp.measures import measure
+from papers.clamp.formulas import DEGREE, INITIAL, PUBLISHED, RATED, SCHEME_4, Array, Design, measure
 from papers.clamp.optimisation.recheck import locking
 from papers.clamp.optimisation.study import BROKEN
 from papers.clamp.printed import SCENES

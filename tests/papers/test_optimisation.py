@@ -19,8 +19,7 @@ import scenes
 from compare.engines import runner
 from compare.engines.processes.inside import Limits
 from papers.clamp.constraints import ALONE, BOTH, Clearance, slacks
-from papers.clamp.formulas import DEGREE, INITIAL, SCHEME_4, Array, Design, acceleration, at, closed
-from papers.clamp.measures import MEASURES, measure
+from papers.clamp.formulas import DEGREE, INITIAL, MEASURES, SCHEME_4, Array, Design, acceleration, at, closed, measure
 from papers.clamp.optimisation import search as searched
 from papers.clamp.optimisation import study as studied
 from papers.clamp.optimisation.recheck import ENGINES, rechecks

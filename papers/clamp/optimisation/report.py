@@ -15,8 +15,7 @@ from compare.report.pages.html import render
 from compare.report.plain import json_text
 
 from ..constraints import ALONE, BOTH, LITERAL, slacks
-from ..formulas import DEGREE, PUBLISHED, SCHEME_4, Design, acceleration, at, velocity_ratio
-from ..measures import measure
+from ..formulas import DEGREE, PUBLISHED, SCHEME_4, Design, acceleration, at, measure, velocity_ratio
 from ..printed import LARGEST_FORCE_RATIO, TABLE_1
 from . import tables
 from .recheck import Recheck

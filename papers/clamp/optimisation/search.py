@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution, minimize
 
 from ..constraints import LITERAL, PRINTED, RATIO, Clearance
-from ..formulas import UNITS, Array, Design, assembles, closed
-from ..measures import MEASURES
+from ..formulas import MEASURES, UNITS, Array, Design, assembles, closed
 from ..printed import BOUNDS
 
 STEP = 1e-30  # of the complex step: its error is STEP^2, and nothing cancels (Squire and Trapp 1998)

@@ -18,8 +18,7 @@ from compare.engines.processes.isolation import isolated
 from compare.engines.processes.stopping import Progress
 
 from ..constraints import ALONE, BOTH, LITERAL, LOOSEST, Clearance, slacks
-from ..formulas import SCHEME_4
-from ..measures import MEASURES, measure
+from ..formulas import MEASURES, SCHEME_4, measure
 from .search import Limit, Optimum, Problem, restart, search
 
 LIMITS = Limits(seconds=3600.0, workers=2)  # a point takes minutes of processor time at most

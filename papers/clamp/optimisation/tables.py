@@ -8,8 +8,7 @@ import numpy as np
 from compare.report.tables import TableRows
 
 from ..constraints import BOTH, SLENDER, STROKE, Clearance, slacks
-from ..formulas import INITIAL, PUBLISHED, SCHEME_4, UNITS, Design
-from ..measures import MEASURES, measure
+from ..formulas import INITIAL, MEASURES, PUBLISHED, SCHEME_4, UNITS, Design, measure
 from ..printed import LARGEST_FORCE_RATIO, LENGTH_RATIO, PLATEN_STROKE, TABLE_1
 from .recheck import Recheck
 from .search import AGREES, FEASIBLE, VARIABLES, gains
