@@ -12,7 +12,6 @@ import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from benchmarks.publishing.readme import markdown
 from compare.cli import arguments
 from compare.cli import command as command_line
 from compare.measure.many import grid
@@ -142,6 +141,12 @@ def _sentence(model: type[BaseModel]) -> str:
 def _docstring(module: ModuleType) -> str:
     """Return a docstring without its first line, which is about the module."""
     return (module.__doc__ or "").partition("\n\n")[2].strip()
+
+
+def markdown(table: pd.DataFrame) -> str:
+    """Return a table as Markdown."""
+    lines = [table.columns, ["---"] * len(table.columns), *table.to_numpy(str)]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
 def _table(header: Iterable[str], rows: Iterable[Iterable[object]]) -> str:

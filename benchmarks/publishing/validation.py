@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from benchmarks.publishing.readme import markdown
+from benchmarks.publishing.reference import markdown
 from compare.judge.floor import establish
 from compare.judge.foreign import assess_result
 from compare.judge.measure import Measurement
