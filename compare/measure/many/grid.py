@@ -31,11 +31,12 @@ def variation(text: str) -> VariedNumber:
     except ValueError:
         example = "bodies.rocker.lengths.O-P3=280:320:5"
         raise InputError(f"--vary {shown}: expected PATH=FROM:TO:COUNT, as in {example}") from None
-    if not isfinite(stop - start) or start == stop:
-        raise InputError(f"--vary {shown}: expected two different values, FROM and TO")
     if not 2 <= members <= MOST_MEMBERS:
         raise InputError(f"--vary {shown}: expected a COUNT from 2 to {MOST_MEMBERS}, found {members}")
-    return VariedNumber(path, tuple(np.linspace(start, stop, members).tolist()))
+    values = np.linspace(start, stop, members).tolist() if isfinite(stop - start) else []
+    if len({*values}) < members:
+        raise InputError(f"--vary {shown}: expected different values from FROM to TO")
+    return VariedNumber(path, tuple(values))
 
 
 def grid(variations: Sequence[VariedNumber]) -> list[Mapping[str, float]]:
@@ -44,4 +45,6 @@ def grid(variations: Sequence[VariedNumber]) -> list[Mapping[str, float]]:
     if count > MOST_MEMBERS:
         raise InputError(f"--vary: expected {MOST_MEMBERS} members at most, found {count}")
     paths = [variation.path for variation in variations]
+    if twice := [path for path in paths if paths.count(path) > 1]:
+        raise InputError(f"--vary {one_line(twice[0], 100)}: expected each number once")
     return [dict(zip(paths, values, strict=True)) for values in product(*(v.values for v in variations))]

@@ -43,6 +43,14 @@ def test_a_grid_is_every_combination_the_last_changing_fastest() -> None:
         grid([variation("a=0:1:67"), variation("b=0:1:3")])
 
 
+def test_no_member_is_there_twice() -> None:
+    """A family of two of the same kind would never be complete: results are kept by what changes."""
+    with pytest.raises(InputError, match="expected different values from FROM to TO"):
+        variation("a=1:1.0000000000000002:5")
+    with pytest.raises(InputError, match="a: expected each number once"):
+        grid([variation("a=0:1:2"), variation("b=0:1:2"), variation("a=2:3:2")])
+
+
 def test_every_member_is_cross_checked() -> None:
     """And what is reported is that member's own error: an engine that has another linkage in mind is far off."""
     family = run(CRANK_SLIDER, ["bodies.rod.lengths.A-B=250:350:3"], ["analytic", "exudyn"])
