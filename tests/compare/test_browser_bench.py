@@ -29,6 +29,7 @@ CURVES = """async () => {
   const [panel] = document.querySelector('.plot').plot.panels;
   return panel.traces.flatMap(({ name, mode }, k) => (mode === 'lines' ? [[name, [...panel.u.data[k + 1][1]]]] : []));
 }"""  # of the first plot, as they are drawn
+NAMES = "document.querySelector('.plot').plot.panels[0].traces.map(({ name }) => name)"
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +88,12 @@ def test_the_judged_curve_is_beside_the_edited_one_and_alone_where_all_is_undone
     assert np.abs(np.subtract(edited, judged)).max() > 0.1  # mm
     undone.locator(".undo").click()
     assert undone.evaluate(CURVES) == [[name, judged]]
+    undone.locator("#bench [name=machines]").check()
+    undone.wait_for_function(f"{NAMES}.includes('machines')")
+    typed(undone, "bodies.toggle.lengths.P2-P4", 761)
+    assert f"{name} as judged" in undone.evaluate(NAMES)
+    assert "machines as judged" not in undone.evaluate(NAMES)
+    undone.locator("#bench [name=machines]").uncheck()
 
 
 def test_the_scene_that_is_copied_has_the_numbers_shown(undone: "Page", tmp_path: Path) -> None:

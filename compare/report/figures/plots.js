@@ -206,7 +206,7 @@ class Chart {
 
   edit(curves, x) { // of the first panel, by name; those judged are dotted meanwhile, and back where there are none
     const [panel] = this.panels, judged = panel.traces.filter(({ of }) => of);
-    const lines = panel.traces.filter(({ mode, of }) => mode === "lines" && !of);
+    const lines = panel.traces.filter(({ mode, of, band }) => mode === "lines" && !of && !band);
     const faint = of => ({ ...of, of, name: `${of.name} as judged`, showlegend: false, opacity: 0.6, line: { ...of.line, dash: "dot" } });
     if (!curves.length && !judged.length) return;
     if (!judged.length) panel.traces.push(...lines.map(faint));
