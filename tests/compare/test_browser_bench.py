@@ -91,7 +91,8 @@ def test_the_judged_curve_is_beside_the_edited_one_and_alone_where_all_is_undone
     undone.locator("#bench [name=machines]").check()
     undone.wait_for_function(f"{NAMES}.includes('machines')")
     typed(undone, "bodies.toggle.lengths.P2-P4", 761)
-    assert f"{name} as judged" in undone.evaluate(NAMES)
+    undone.locator(".plot").first.scroll_into_view_if_needed()
+    undone.wait_for_function(f"{NAMES}.includes('{name} as judged')")
     assert "machines as judged" not in undone.evaluate(NAMES)
     undone.locator("#bench [name=machines]").uncheck()
 
