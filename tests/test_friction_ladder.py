@@ -54,8 +54,8 @@ def each(*engines: Held) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("held", [*every])
 
 
-SLOW = ("double_toggle_clamp", "wedge", "carried_block")
-STUDY = ("toggle_press", "crank_press", "rocking_guide", "lift", "three_at_a_pin", "quick_return")
+SLOW = ("double_toggle_clamp", "wedge")
+STUDY = ("carried_block", "toggle_press", "crank_press", "rocking_guide", "lift", "three_at_a_pin", "quick_return")
 MARKED = [pytest.param(name, marks=pytest.mark.slow) for name in SLOW]
 MARKED += [pytest.param(name, marks=pytest.mark.study) for name in STUDY]
 by_scene = pytest.mark.parametrize("name", ["two_rods", *MARKED])  # it jams in two parts of its own

@@ -28,7 +28,7 @@ from compare.report.figures.curves import panels
 from compare.report.output import files as output
 from compare.report.tables import study as tables
 from scenes import Motion, Request, Sampling, Settings, Status
-from scenes.model.motion import channels, header
+from scenes.model.motion import channels, header, quantity
 from tests import scene_files
 from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, studied
 
@@ -160,7 +160,7 @@ def test_one_channel_of_a_press_on_its_switch() -> None:
     on_switch = np.arange(SAMPLING.count) == SAMPLING.count // 2
     (may,) = pressing.acts(on)
     assert np.array_equal(on_switch, may.any(axis=0) & ~may.all(axis=0))
-    for channel in channels(scene)[2:]:
+    for channel in {quantity(channel): channel for channel in channels(scene)[2:]}.values():
         few = replace(SAMPLING, channels=frozenset({channel}))
         for side in (on, off):
             right = {c: np.where(on_switch, side[c], on[c]) for c in few.wanted(scene)}

@@ -12,7 +12,6 @@ from scenes import Sampling
 from scenes.model.motion import Samples
 from scenes.scene import PressForce
 from tests import scene_files
-from tests.comparisons import SLOW
 
 MANY = 200  # as many loads as a scene may have
 ENGINES = ("analytic", "exudyn", "pymunk", "multiprecision", "casadi", "pinocchio")
@@ -41,7 +40,7 @@ def test_two_hundred_press_forces_are_those_of_the_power(engine: str) -> None:
     assert np.abs(off).max() <= model.DEFAULT.promise * np.abs(forces * v).max()
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(MANY, marks=SLOW)])
+@pytest.mark.parametrize("count", [8, pytest.param(MANY, marks=pytest.mark.study)])
 def test_many_press_forces_are_judged(count: int) -> None:
     scene = scene_files.load("slider_crank", {**PRESSES, "loads": PRESSES["loads"][:: MANY // count]})
     judged = compare.check(scene, engines=("analytic", "exudyn", "pymunk"), samples=72)

@@ -21,6 +21,7 @@ from tests.comparisons import SLOW, References
 from tests.foreign import ELSEWHERE, Writer, channels, instants, write
 
 SCENE = "offset_slider_crank"
+LONGER = ("quick_return", "toggle_press", "servo_press")
 Moved = tuple[str, float, float, float]
 
 
@@ -121,7 +122,11 @@ def _proposal(scene: Scene, names: list[str], moved: Moved, folder: Path) -> tup
 
 @pytest.mark.parametrize(
     ("name", "every"),
-    [("four_bar", 5), *(pytest.param(name, 1, marks=SLOW) for name in ("quick_return", "toggle_press", "servo_press"))],
+    [
+        ("four_bar", 5),
+        *(pytest.param(name, 4, marks=SLOW) for name in LONGER),
+        *(pytest.param(name, 1, marks=pytest.mark.study) for name in LONGER),
+    ],
 )
 def test_it_is_never_sure_and_wrong(name: str, every: int, tmp_path: Path) -> None:
     """Cranks that are moved, lags and turned frames, alone and together, of the output and of all places."""
