@@ -57,6 +57,7 @@ const judgedSizes = bench.asked.map((one, r) => {
   rowsOut[r].cells[1].textContent = text(was);
   return { was, text };
 });
+await pause();
 const percent = (share, text) => {
   if (!Number.isFinite(share)) return "–";
   const size = text(Math.abs(share));
@@ -222,6 +223,7 @@ inTable(".controls").hidden = !(away <= LIMIT);
 check.textContent = away <= LIMIT ? `This page solves the linkage by itself, by the formulas of the reference. It has ${apart}.`
   : `This page does not find ${apart}: nothing can be changed here.`;
 if (away <= LIMIT) {
-  await pause();
   list();
+  await painted();
+  inTable("details").open = true; // of many numbers, laid out by themselves
 }

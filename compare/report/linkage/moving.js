@@ -8,9 +8,11 @@ const parted = bytes => {
     for (let n = 0; n < size; n++) words[4 * n + byte] = bytes[start + byte * size + n];
   return [JSON.parse(new TextDecoder().decode(bytes.subarray(0, start))), words.buffer];
 };
-for (const { finished } of root.parentElement.getAnimations()) await finished; // the verdict comes first
-root.parentElement.style.animation = "none"; // and not again after printing
-await new Promise(painted => requestAnimationFrame(() => setTimeout(painted))); // the page comes first
+for (const part of root.parentElement.children) {
+  for (const { finished } of part.getAnimations()) await finished; // the verdict comes first
+  part.style.animation = "none"; // and not again after printing
+}
+await painted(); // the page comes first
 const [head, buffer] = parted(new Uint8Array(await inflated("motion").arrayBuffer()));
 const { count, channels, panels, engines, axis, effort } = head;
 await pause();
@@ -298,11 +300,16 @@ document.addEventListener("click", event => {
   scrub(nearest(goal.dataset.at * axis.factor), `${point}.x` in place || point in head.ground ? point : "");
   root.scrollIntoView({ block: "nearest" });
 });
-new ResizeObserver(() => {
-  svg.style.setProperty("--px", 1 / svg.getScreenCTM().a);
+const fit = () => { // to the picture's size
+  const px = String(1 / svg.getScreenCTM().a);
+  if (svg.style.getPropertyValue("--px") === px) return;
+  svg.style.setProperty("--px", px);
   show(now);
-}).observe(svg);
+};
 new ResizeObserver(() => plots.forEach(plot => plot.show(now))).observe(document.body);
 for (const part of root.querySelectorAll(".player")) part.hidden = false;
+await pause();
 const most = rows.map(n => Math.max(0, ...jointForces(n)));
-show(most.indexOf(Math.max(...most))); // at rest, where the largest joint force is
+now = most.indexOf(Math.max(...most)); // at rest, where the largest joint force is
+fit();
+new ResizeObserver(fit).observe(svg);

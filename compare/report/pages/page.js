@@ -8,6 +8,7 @@ const inflated = id => {
   return new Response(zipped.stream().pipeThrough(new DecompressionStream("gzip")));
 };
 const pause = () => new Promise(done => setTimeout(done)); // between two tasks, so that none is long
+const painted = () => new Promise(done => requestAnimationFrame(() => setTimeout(done)));
 const unpacked = id => inflated(id).text();
 
 const saved = (blob, download) => {
