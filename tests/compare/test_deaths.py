@@ -16,7 +16,10 @@ from tests.deaths import MEMORY, TWELVE, doomed
 
 ENGINES = [*ENTRIES]
 STAGES = ("build", "solve", "read")
-ALL = [0, *(pytest.param(number, marks=SLOW) for number in range(1, len(TWELVE)))]
+ALL = [
+    0,
+    *(pytest.param(number, marks=SLOW if number % 3 == 2 else pytest.mark.study) for number in range(1, len(TWELVE))),
+]
 SOME = ALL[: len(STAGES)]  # in which every death and every stage is
 CRANK_SLIDER, ROD = str(scene_files.path("offset_slider_crank")), "bodies.rod.lengths.A-B"
 

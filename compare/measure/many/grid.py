@@ -35,7 +35,7 @@ def variation(text: str) -> VariedNumber:
         raise InputError(f"--vary {shown}: expected a COUNT from 2 to {MOST_MEMBERS}, found {members}")
     values = np.linspace(start, stop, members).tolist() if isfinite(stop - start) else []
     if len({*values}) < members:
-        raise InputError(f"--vary {shown}: expected different values from FROM to TO")
+        raise InputError(f"--vary {shown}: expected two different values, FROM and TO, and COUNT of them in all")
     return VariedNumber(path, tuple(values))
 
 

@@ -51,11 +51,6 @@ def test_functions_of_numpy_are_off_by_less_than_their_bound() -> None:
     assert_close_to_the_last_place(0, 60_000)
 
 
-@pytest.mark.slow
-def test_functions_of_numpy_at_many_arguments() -> None:
-    assert_close_to_the_last_place(1, 500_000)
-
-
 @pytest.mark.study
 def test_functions_of_numpy_at_millions_of_arguments() -> None:
     assert_close_to_the_last_place(2, 10_000_000)

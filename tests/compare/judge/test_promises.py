@@ -22,7 +22,7 @@ def _records(scenes: Iterable[Scene], sampling: Sampling = SAMPLING) -> list[Pro
 
 
 @pytest.mark.parametrize(
-    ("count", "elements"), [(10, False), (6, True), pytest.param(60, True, marks=pytest.mark.study)]
+    ("count", "elements"), [(6, False), (4, True), pytest.param(60, True, marks=pytest.mark.study)]
 )
 def test_verdicts_keep_their_word(tmp_path: Path, count: int, *, elements: bool) -> None:
     """With elements nearly all have friction, which jams some."""

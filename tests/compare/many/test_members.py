@@ -45,7 +45,7 @@ def test_a_grid_is_every_combination_the_last_changing_fastest() -> None:
 
 def test_no_member_is_there_twice() -> None:
     """A family of two of the same kind would never be complete: results are kept by what changes."""
-    with pytest.raises(InputError, match="expected different values from FROM to TO"):
+    with pytest.raises(InputError, match="two different values, FROM and TO, and COUNT of them in all"):
         variation("a=1:1.0000000000000002:5")
     with pytest.raises(InputError, match="a: expected each number once"):
         grid([variation("a=0:1:2"), variation("b=0:1:2"), variation("a=2:3:2")])
