@@ -97,6 +97,20 @@ def test_the_judged_curve_is_beside_the_edited_one_and_alone_where_all_is_undone
     undone.locator("#bench [name=machines]").uncheck()
 
 
+def test_the_machines_are_in_every_plot_whenever_it_is_drawn(undone: "Page") -> None:
+    """One that was far when they were drawn too, and one drawn by that time; none has them where they are left out."""
+    undone.locator("#bench [name=machines]").check()
+    undone.wait_for_function("document.querySelector('#bench .machines').textContent")
+    plots = undone.locator("section:has(> h3:text-matches('^Pin ')) .plot")
+    banded = "place => place.plot?.width && place.plot.panels[0].traces.some(({ name }) => name === 'machines')"
+    assert plots.count() > 4
+    for plot in plots.all():
+        plot.scroll_into_view_if_needed()
+        undone.wait_for_function(banded, arg=plot.element_handle())
+    undone.locator("#bench [name=machines]").uncheck()
+    assert not any(plot.evaluate(banded) for plot in plots.all())
+
+
 def test_the_scene_that_is_copied_has_the_numbers_shown(undone: "Page", tmp_path: Path) -> None:
     """Solved from its file, the design has the peaks that the page has, to the digits shown."""
     typed(undone, "bodies.rod.lengths.P4-P5", 320)

@@ -10,6 +10,10 @@ const meets = rows => bench.limits.every(({ kind, channels, least, most }) => {
   const of = measured({ kind, channels }, rows), sign = kind === "least" ? -1 : 1;
   return rows[0].every((_, n) => (least === null || sign * of(n) >= least) && (most === null || sign * of(n) <= most));
 });
+const empty = plot => { // a band around the first curve of a plot, which no machine has widened yet
+  const ends = sign => new Float64Array(count).fill(sign * Infinity);
+  return { plot, curve: plot.curves[0], low: ends(1), high: ends(-1) };
+};
 const widen = ({ curve, low, high }, rows) => { // by one machine more
   for (let n = 0; n < count; n++) {
     const v = sum(curve, channel => rows[column[channel]][n]);
@@ -23,11 +27,9 @@ const machines = async () => {
   if (isRunning) return;
   isRunning = true;
   const own = arrays(count), number = edited.slice(), every = drawn.off[0].length, sizes = bench.asked.map(() => []);
-  const bands = [...plots.values()].filter(plot => plot.near && plot.drawn && plot.curves.length).map(plot => ({
-    plot, curve: plot.curves[0], low: new Float64Array(count).fill(Infinity), high: new Float64Array(count).fill(-Infinity),
-  }));
+  const bands = [...plots.values()].filter(plot => plot.curves.length).map(empty);
   let running = 0, met = 0, unknown = 0, until = 0;
-  for (let m = 0; m < every; m++) {
+  for (let m = 0; m < every && !isStale; m++) {
     if (performance.now() >= until) {
       await new Promise(requestAnimationFrame);
       until = performance.now() + PART;
@@ -43,24 +45,25 @@ const machines = async () => {
     bands.forEach(band => widen(band, own));
   }
   isRunning = false;
-  if (chosen.checked) {
+  if (chosen.checked && !isStale) {
     judgedSizes.forEach(({ text }, k) => {
       const sorted = sizes[k].sort((a, b) => a - b), at = share => sorted[Math.round(share * (running - 1))];
       rowsOut[k].cells[5].textContent = running ? text(at(FEW), at(1 - FEW)) : "–";
     });
-    for (const { plot, low, high } of bands) plot.drawn?.band(low, high, rows.map(over));
+    const across = rows.map(over);
+    for (const { plot, low, high } of bands) plot.lay([low, high, across]);
     // Some may run whose friction the page's few steps do not balance.
     const from = text => [...new Set([met, met + unknown].map(text))].join(" to "), stopped = every - running - unknown;
     const limits = bench.limits.length ? ` ${from(n => n)} of them, ${from(n => ((100 * n) / every).toFixed(1))} %, meet all limits of the scene at every sample.` : "";
     const none = stopped ? ` ${stopped} have no solution somewhere.` : "";
     const left = unknown ? ` For ${unknown} the page does not find ${bench.gaps.balance} somewhere.` : "";
-    inTable(".machines").textContent = `${every} machines, as drawn by --monte-carlo ${every}.${none}${left}${limits} In the plots near by the band that they fill.`;
+    inTable(".machines").textContent = `${every} machines, as drawn by --monte-carlo ${every}.${none}${left}${limits} The plots show the band that they fill.`;
   }
   if (isStale) machines();
 };
 edits.push(machines);
 chosen.onchange = () => {
   inTable(".machines").textContent = "";
-  if (!chosen.checked) plots.forEach(plot => plot.drawn?.band());
+  if (!chosen.checked) plots.forEach(plot => plot.lay([]));
   machines();
 };

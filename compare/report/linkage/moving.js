@@ -185,10 +185,12 @@ const sum = ({ factors, magnitude }, of) => { // of a curve's channels, or the l
 const plotted = (curve, n, engine) => sum(curve, channel => value(channel, n, engine));
 
 class Plot {
+  band = []; // low, high, and over what, of the machines; kept for whenever the plot is drawn
+
   constructor(section, panel) {
     this.plot = section.querySelector(".plot");
     Object.assign(this, { section, panel, curves: panels[panel]?.curves ?? [] });
-    this.plot.addEventListener("drawn", () => (this.edit(), this.show(now)));
+    this.plot.addEventListener("drawn", () => (this.edit(), this.lay(), this.show(now)));
     seen.observe(section);
     plots.set(section, this);
     for (const kind of ["pointerdown", "pointermove"]) this.plot.addEventListener(kind, this);
@@ -221,6 +223,11 @@ class Plot {
     if (!this.drawn || !this.near || !this.curves.length) return;
     const curves = isEdited ? this.curves.map(curve => [curve.name, rows.map(n => plotted(curve, n))]) : [];
     this.drawn.edit(curves, rows.map(over));
+  }
+
+  lay(band = this.band) {
+    this.band = band;
+    this.drawn?.band(...band);
   }
 
   show(n) {
