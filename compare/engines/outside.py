@@ -8,7 +8,7 @@ import pickle
 import re
 import sys
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, make_dataclass, replace
 from functools import cache, cached_property
@@ -26,7 +26,7 @@ from scenes.errors import one_line
 from scenes.fields import ENGINE
 from scenes.model.engine import completed
 
-from .processes.inside import Ended, Limits, packed
+from .processes.inside import PLAIN, Ended, Limits, packed
 from .processes.isolation import isolated
 from .reasons import described, text_of
 
@@ -35,6 +35,7 @@ LIMITS = Limits(20.0)  # of an import
 TIERS, LADDERS = ("DEFAULT", "FAST", "EXACT"), ("WORK_PRECISION", "LONG_WORK_PRECISION", "ABLATIONS")
 FUNCTIONS = ("build", "at_steps", "iterations_needed")
 Meanings: TypeAlias = tuple[tuple[str, str], ...]  # by name of a field
+Told: TypeAlias = tuple[str, Iterable[tuple[str, str]], Mapping[str, object]]  # of settings; see `told`
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,8 @@ def entries(taken: Collection[str]) -> dict[str, Entry]:
             if points := tuple(each.entry_points.select(group=GROUP)):
                 first.setdefault(each.name, points)
     known = [(point.name, _entry(point)) for point in sorted(chain(*first.values()), key=attrgetter("name"))]
-    count = Counter([*taken, *(name for name, _ in known)])
-    return {name if count[name] == 1 else f"{name}@{entry.distribution}": entry for name, entry in known}
+    count = Counter(name.lower() for name in (*taken, *(name for name, _ in known)))  # no two differ by case alone
+    return {name if count[name.lower()] == 1 else f"{name}@{entry.distribution}": entry for name, entry in known}
 
 
 def _entry(point: EntryPoint) -> Entry:
@@ -86,6 +87,8 @@ def _entry(point: EntryPoint) -> Entry:
     trouble = ""
     if not re.fullmatch(ENGINE, point.name):
         trouble = "its name is expected to be letters, digits, '_', '.' and '-', 40 at most"
+    elif not re.fullmatch(ENGINE, name):
+        trouble = "its distribution's name is expected to be letters, digits, '_', '.' and '-', 40 at most"
     elif not all(part.isidentifier() for part in module.split(".")):
         trouble = f"its entry point is expected to name a module, found {module}"
     elif lacking:
@@ -123,15 +126,25 @@ def offered(entry: Entry) -> tuple[Engine[Any], Ended | None]:
 
 @cache
 def _offers(entry: Entry) -> Mapping[str, Any] | Ended:
-    ((_, outcome),) = isolated(_described, [entry], LIMITS, lambda: None)
-    return outcome
+    ((_, offers),) = isolated(_described, [entry], LIMITS, lambda: None, PLAIN)
+    if isinstance(offers, Ended):
+        return offers
+    try:
+        tiers = {name: stood_in(offers["tiers"][name]) for name in TIERS}
+        ladders = {name: tuple(map(stood_in, offers["ladders"][name])) for name in LADDERS}
+        check_labels((*tiers.values(), *chain(*ladders.values())))
+    except Exception as error:  # whatever an engine has sent in the place of an answer
+        return Ended(Status.crashed, f"its settings cannot be read: {described(error)}")
+    return tiers | ladders | {name: _elsewhere for name in FUNCTIONS if name in offers["functions"]}
 
 
 def _described(entry: Entry) -> Mapping[str, Any]:
     engine = imported(entry)
-    tiers = {name: stand_in(getattr(engine, name)) for name in TIERS}
-    ladders = {name: tuple(map(stand_in, getattr(engine, name))) for name in LADDERS}
-    return tiers | ladders | {name: _elsewhere for name in FUNCTIONS if getattr(engine, name) is not None}
+    return {
+        "tiers": {name: told(getattr(engine, name)) for name in TIERS},
+        "ladders": {name: [*map(told, getattr(engine, name))] for name in LADDERS},
+        "functions": [name for name in FUNCTIONS if getattr(engine, name) is not None],
+    }
 
 
 def _elsewhere(*_: object) -> NoReturn:
@@ -145,7 +158,14 @@ def check(engine: Engine[Any]) -> None:
         if not isinstance(ladder, tuple):
             raise TypeError(f"expected a tuple of settings, found {type(ladder).__name__}")
         settings += ladder
-    for each in (*settings, *([engine.at_steps(24)] if engine.at_steps else [])):
+    if engine.at_steps:
+        check_settings(engine.at_steps(24))
+    check_labels(settings)
+
+
+def check_labels(settings: Collection[Settings]) -> None:
+    """Raise TypeError or ValueError for settings that are none, or of which two have one label."""
+    for each in settings:
         check_settings(each)
     ((label, number),) = Counter(each.label for each in dict.fromkeys(settings)).most_common(1)
     if number > 1:
@@ -171,24 +191,37 @@ def check_settings(settings: object) -> None:
 class StandIn(Settings):
     """Settings of plain values, with the names and meanings of an engine's own, where that is not imported."""
 
-    as_sent: ClassVar[bytes]  # the engine's own, as they can be read where it is imported alone
+    as_sent: ClassVar[bytes]  # the engine's own, pickled: to be read where the engine is imported alone
     meanings: ClassVar[Meanings]
 
     def __reduce__(self) -> tuple[object, ...]:
         return standing, (self.as_sent, self.meanings, vars(self))
 
 
-def stand_in(settings: Settings) -> Settings:
-    """Settings of plain values in place of an engine's own."""
-    if isinstance(settings, StandIn):
-        return settings
+def told(settings: Settings) -> Told:
+    """What is told of an engine's settings: their pickle, in hex, and the meanings and plain values of their fields."""
     hints: Mapping[str, Any] = {}
     with suppress(Exception):  # annotations may be of anything
         hints = get_type_hints(type(settings), include_extras=True)
     names = [field.name for field in fields(settings)]
     meanings = tuple((name, text_of(getattr(hints.get(name), "__metadata__", ("",))[0])) for name in names)
-    values = {name: _plain(getattr(settings, name)) for name in names}
-    return standing(bytes(packed(settings)), meanings, values)
+    return packed(settings).hex(), meanings, {name: _plain(getattr(settings, name)) for name in names}
+
+
+def stood_in(told: Told) -> Settings:
+    """Settings that stand in for others, of which this is told, or raise whatever is wrong with that."""
+    as_sent, meanings, values = told
+    known = tuple((name, text_of(meaning)) for name, meaning in meanings)
+    if [*values] != [name for name, _ in known] or any(name.startswith("_") for name in values):
+        raise ValueError("expected fields with a meaning and a value each")
+    stands = standing(bytes.fromhex(as_sent), known, {name: _plain(value) for name, value in values.items()})
+    check_settings(stands)
+    return stands
+
+
+def stand_in(settings: Settings) -> Settings:
+    """Settings of plain values in place of an engine's own."""
+    return settings if isinstance(settings, StandIn) else stood_in(told(settings))
 
 
 def _plain(value: Any) -> object:
@@ -210,7 +243,7 @@ def _kind(as_sent: bytes, meanings: Meanings) -> type[Settings]:
 
 
 def unpacked(settings: Settings) -> Settings:
-    """Return the engine's own settings, where these stand in for them."""
+    """Return the engine's own settings, where these stand in for them and the engine is imported."""
     if not isinstance(settings, StandIn):
         return settings
     own: Settings = pickle.loads(settings.as_sent)

@@ -17,6 +17,7 @@ from scenes.model.motion import kinematic_channels, quantity
 from . import registry
 from .outside import unpacked
 from .processes.inside import Ended, Limits
+from .processes.messages import NUMBERS
 from .reasons import described, text_of
 from .threads import one_thread
 
@@ -88,32 +89,69 @@ class Runs:
 
     def _runs(self, name: str, scene: Scene, request: Request, settings: Several, *, reads: bool) -> list[Run]:
         entry = registry.ENTRIES[name]
+        asked = [Run(name, each, Status.unsupported, entry.missing or "", "engine", entry.version) for each in settings]
         if entry.missing:
-            return [Run(name, each, Status.unsupported, entry.missing, "engine", entry.version) for each in settings]
+            return asked
         solve = partial(_attempts, name, scene, request, settings, reads=reads)
-        ended = self.asked(name, scene, solve, limits(scene, request, settings))
-        if not isinstance(ended, Ended):
-            return ended
-        return [Run(name, each, ended.status, ended.reason, "isolation", entry.version) for each in settings]
+        answer = self.asked(name, scene, solve, limits(scene, request, settings))
+        if not isinstance(answer, Ended):
+            try:
+                return [_completed(run, told, reads=reads) for run, told in zip(asked, answer, strict=True)]
+            except Exception as error:  # whatever an engine has sent in the place of an answer
+                answer = Ended(Status.crashed, f"its answer is none: {described(error)}")
+        return [replace(run, status=answer.status, reason=answer.reason, found_by="isolation") for run in asked]
 
 
 HERE = Runs()
 run = HERE.run
 
 
-def _attempts(name: str, scene: Scene, request: Request, settings: Several, *, reads: bool) -> list[Run]:
-    ended = []
+# What is asked for is known here; an engine's process tells how it went and gives numbers, which are looked at one by
+# one. So no engine answers for another, or for other settings, whatever it sends.
+
+Told: TypeAlias = Mapping[str, Any]  # numbers, text and arrays of numbers: fields of `Run`
+TIMES = ("build_s", "solve_s", "read_s", "wall_s")
+
+
+def _attempts(name: str, scene: Scene, request: Request, settings: Several, *, reads: bool) -> list[Told]:
+    """How the runs at some settings went, where the engine is."""
+    told: list[Told] = []
     for each in settings:
-        failed = Run(name, each, Status.crashed, "", "engine", registry.ENTRIES[name].version)
+        known = {}
         try:
             engine = registry.imported(name)
-            failed = replace(failed, version=text_of(engine.version()))
-            ended.append(_solved(engine, scene, request, failed, reads=reads))  # by now no clock times an import
+            known["version"] = text_of(engine.version())
+            told.append(known | _solved(engine, scene, request, each, reads=reads))  # no clock times an import
         except MemoryError:
             raise
         except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
-            ended.append(replace(failed, reason=described(error)))
-    return ended
+            told.append(known | {"status": Status.crashed.name, "reason": described(error)})
+    return told
+
+
+def _completed(asked: Run, told: Told, *, reads: bool) -> Run:
+    """Return the run that was asked for as it is told, or raise whatever is wrong with that."""
+    ended = replace(asked, version=text_of(told.get("version", asked.version)), status=Status[told["status"]])
+    motion = told.get("motion") and _motion(**told["motion"])
+    if ended.status is not Status.ok:
+        return replace(ended, reason=text_of(told["reason"]), motion=motion)
+    if (motion is None) == reads:
+        raise ValueError("it is ok, without a motion" if reads else "a motion that was not asked for")
+    seconds: Any = {name: min(max(TICK, float(told[name])), LARGEST) for name in TIMES}
+    return replace(
+        ended,
+        found_by="",
+        motion=motion,
+        counters={text_of(counted): int(np.int64(count)) for counted, count in told["counters"].items()},
+        residuals={text_of(checked): float(residual) for checked, residual in told["residuals"].items()},
+        **seconds,
+    )
+
+
+def _motion(samples: Mapping[str, Any], unsupported: Mapping[str, str]) -> Motion:
+    if not all(isinstance(each, np.ndarray) for each in samples.values()):
+        raise TypeError("expected arrays")
+    return Motion(dict(samples), {channel: text_of(reason) for channel, reason in unsupported.items()})
 
 
 def processor_time() -> float:
@@ -126,46 +164,49 @@ def processor_time() -> float:
     return usage.ru_utime + usage.ru_stime
 
 
-def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *, reads: bool) -> Run:
-    """Return the run, or the failed one completed by what the engine reports."""
-    settings = None if failed.settings is None else unpacked(failed.settings)
+def _solved(
+    engine: Engine[Any], scene: Scene, request: Request, settings: Settings | None, *, reads: bool
+) -> dict[str, Any]:
+    """How a run went that came to an end of the engine's own."""
+    own = None if settings is None else unpacked(settings)
     try:
         started = processor_time()
         refuse_unknown(engine, scene)
-        simulation = engine.build(scene, settings, request)
+        simulation = engine.build(scene, own, request)
         on_wall, built = perf_counter(), processor_time()
         simulation.solve()
         solved, done_on_wall = processor_time(), perf_counter()
         returned = simulation.read() if reads else None
         read = processor_time()
     except Failure as failure:
-        computed = None if failure.motion is None else _plain(failure.motion)
-        if Status(failure.status) is Status.ok:
+        status = Status(failure.status)
+        if status is Status.ok:
             raise ValueError("a failure is expected to have another status than ok") from failure
-        return replace(failed, status=Status(failure.status), reason=text_of(failure.reason), motion=computed)
+        motion = None if failure.motion is None else _plain(failure.motion)
+        return {"status": status.name, "reason": text_of(failure.reason), "motion": motion}
     counters, residuals = (getattr(simulation, name, {}) for name in ("counters", "residuals"))
-    return replace(
-        failed,
-        status=Status.ok,
-        found_by="",
-        motion=_plain(returned) if reads else None,
-        build_s=max(built - started, TICK),
-        solve_s=max(solved - built, TICK),
-        read_s=max(read - solved, TICK),
-        wall_s=max(done_on_wall - on_wall, TICK),
-        counters={text_of(counted): int(np.int64(int(count))) for counted, count in counters.items()},
-        residuals={text_of(checked): float(residual) for checked, residual in residuals.items()},
-    )
+    seconds = (built - started, solved - built, read - solved, done_on_wall - on_wall)
+    return {
+        "status": Status.ok.name,
+        "motion": _plain(returned) if reads else None,
+        "counters": {text_of(counted): int(np.int64(int(count))) for counted, count in counters.items()},
+        "residuals": {text_of(checked): float(residual) for checked, residual in residuals.items()},
+        **dict(zip(TIMES, seconds, strict=True)),
+    }
 
 
-def _plain(motion: object) -> Motion:
-    """Return an engine's motion as arrays and clean text, whatever classes of its own it took for them."""
+def _plain(motion: object) -> dict[str, Any]:
+    """Return an engine's motion as arrays of numbers and clean text, whatever classes of its own it took for them."""
     if not isinstance(motion, Motion):
         raise TypeError(f"expected scenes.Motion, found {type(motion).__name__}")
-    return Motion(
-        {channel: unmasked(channel, samples) for channel, samples in motion.samples.items()},
-        {channel: text_of(reason) for channel, reason in motion.unsupported.items()},
-    )
+    named = {channel: unmasked(channel, of) for channel, of in motion.samples.items() if isinstance(channel, str)}
+    for channel, samples in named.items():
+        if samples.dtype.kind not in NUMBERS:
+            raise TypeError(f"{channel} is of {samples.dtype}, expected float64")
+    return {
+        "samples": {str.__str__(channel): samples for channel, samples in named.items()},
+        "unsupported": {text_of(channel): text_of(reason) for channel, reason in motion.unsupported.items()},
+    }
 
 
 def complete(outcome: Run, scene: Scene, request: Rows) -> Run:

@@ -6,6 +6,8 @@ from functools import partial
 from math import nan
 from typing import NamedTuple
 
+import numpy as np
+
 from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
 from scenes.model.motion import quantity
 
@@ -63,6 +65,7 @@ def measure(
     return assess(reference, sampling, outcome, explained or explain(reference, sampling))
 
 
+@np.errstate(all="ignore")  # of whatever numbers an engine gives; what is not finite is so in the result
 def assess(
     reference: Reference,
     sampling: Rows,
@@ -98,6 +101,7 @@ def assess(
     return Measurement(verdict, comparison, checked, table, asked=sampling)
 
 
+@np.errstate(all="ignore")
 def checked_run(
     engine: str, scene: Scene, sampling: Sampling, settings: Settings | None = None, runs: Runs = HERE
 ) -> Run:

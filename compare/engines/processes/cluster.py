@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from scenes import InputError, Status
 
 from ..kept import version
-from .inside import Ended, Item, Limits, Result, answer, packed
+from .inside import OWN, Ended, Item, Limits, Result, answer, outcome_of, packed
 from .isolation import POLL, WAIT, Poll, isolated
 
 if TYPE_CHECKING:
@@ -75,13 +75,13 @@ def spread(
 
     executor = client.get_executor(pure=False)
     try:
-        running = {executor.submit(_done, version(), bytes(packed((function, item)))): item for item in items}
+        running = {executor.submit(_done, version(), packed((function, item))): item for item in items}
         while running:
             poll()
             for future in wait(running, POLL, FIRST_COMPLETED).done:
                 item = running.pop(future)
                 try:
-                    (outcome,) = pickle.loads(future.result())
+                    outcome = outcome_of(pickle.loads(future.result()))
                 except KilledWorker:
                     outcome = KILLED
                 except CancelledError:
@@ -97,4 +97,4 @@ def _done(wanted: str, task: bytes) -> bytes:
     if version() != wanted:
         raise InputError(f"workers: expected the same versions of everything, and one on {gethostname()} has others")
     function, item = pickle.loads(task)
-    return bytes(answer(function, item, Limits()))
+    return answer(function, item, Limits(), OWN)

@@ -12,6 +12,7 @@ import os
 import pickle
 import signal
 import sys
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from ctypes import CDLL
@@ -20,19 +21,20 @@ from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
+from stat import S_ISSOCK
 from threading import Thread
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from scenes import Status
 
 from .. import TRACEBACK
-from ..reasons import described
+from ..reasons import described, text_of
 from ..threads import one_thread
+from . import messages
 
 LINUX = sys.platform == "linux"
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # of Linux' sys/prctl.h
-OPEN: set["Connection[bytes, bytes]"] = set()  # ways to the processes of this one, which are no matter of theirs
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -60,10 +62,19 @@ class Ended:
     at_limit: bool = False  # of time or memory
 
 
-def serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Result], parent: int) -> None:
+class Language(NamedTuple):
+    """How answers are written in a process, and read by its parent."""
+
+    written: Callable[[Any], bytes]
+    read: Callable[[bytes], Any]
+
+
+def serve(
+    connection: "Connection[bytes, bytes]", function: Callable[[Item], Result], parent: int, language: Language
+) -> None:
     """Answer until the parent has gone."""
     _prepare(parent, connection.fileno())
-    connection.send_bytes(packed(os.getpid()))
+    connection.send_bytes(language.written(os.getpid()))
     # bytes of address space that it begins with
     size = int(Path("/proc/self/statm").read_text("ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE") if LINUX else 0
     with one_thread(), suppress(EOFError):
@@ -71,24 +82,36 @@ def serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Res
             limits, item = pickle.loads(connection.recv_bytes())
             if LINUX:
                 _limit("RLIMIT_AS", size + limits.memory)
-            connection.send_bytes(answer(function, item, limits))
+            connection.send_bytes(answer(function, item, limits, language))
 
 
-def answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> memoryview:
-    """The function's result for an item, or how it ended whatever it raises, as bytes of a tuple."""
+def answer(function: Callable[[Item], Result], item: Item, limits: Limits, language: "Language") -> bytes:
+    """The function's result for an item, or how it ended whatever it raises, in a message; see `outcome_of`."""
     try:
-        return packed((function(item),))
+        return language.written([function(item)])
     except MemoryError:
         reason = f"it needed more memory than there is, or than {limits.gibibytes}"
-        ended = Ended(Status.crashed, reason, at_limit=True)
+        return language.written([None, reason, True])
     except BaseException as error:  # also what ends a process, or its result cannot be sent
-        ended = Ended(Status.crashed, described(error))
-    return packed((ended,))
+        return language.written([None, described(error), False])
 
 
-def packed(message: object) -> memoryview:
-    """A message as it is sent."""
-    return ForkingPickler.dumps(message)
+def outcome_of(message: Any) -> Any:
+    """What a message has that `answer` wrote, or raise what is wrong with it."""
+    result, *why = message
+    if not why:
+        return result
+    reason, at_limit = why
+    return Ended(Status.crashed, text_of(reason), at_limit=at_limit is True)
+
+
+def packed(message: object) -> bytes:
+    """A pickle of a message, for those that read it to believe: whoever writes it has code run there."""
+    return bytes(ForkingPickler.dumps(message))
+
+
+OWN = Language(packed, pickle.loads)  # between processes of this project's own code
+PLAIN = Language(messages.written, messages.read)  # of a process with anybody's code: numbers and text
 
 
 def _read_only(mapping: dict[Any, Any]) -> MappingProxyType[Any, Any]:
@@ -108,15 +131,26 @@ def _prepare(parent: int, connection: int) -> None:
         os.dup2(nowhere, stream)
     sys.stdout = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process is
     sys.stderr = sys.stderr if shown else sys.stdout
+    warnings.simplefilter("ignore")  # which would end a run under `-W error`, and are shown nowhere
     gc.freeze()  # what came from the parent is not looked at again, and so not copied
     if sys.platform != "win32":
         _limit("RLIMIT_CORE", 0)  # no file is left where it crashes
     if LINUX:
-        for each in OPEN:
-            each.close()
+        _leave_sockets(nowhere, connection)
         _begin_guarded(parent, connection)
     else:
         Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _leave_sockets(nowhere: int, own: int) -> None:
+    """Have only its own of all connections: others lead to other engines, and to whoever believes its parent.
+
+    Their numbers stay taken, as somebody may close them yet.
+    """
+    for number in [int(link.name) for link in Path("/proc/self/fd").iterdir()]:
+        with suppress(OSError):  # of the list itself
+            if number != own and S_ISSOCK(os.fstat(number).st_mode):
+                os.dup2(nowhere, number)
 
 
 def _limit(what: str, value: int) -> None:

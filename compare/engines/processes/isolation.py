@@ -5,9 +5,7 @@ engine asleep in C goes on after its parent was killed, half an answer hangs the
 alone.
 """
 
-import io
 import os
-import pickle
 import signal
 import sys
 import time
@@ -21,7 +19,20 @@ from typing import Any, Generic, TypeAlias
 from scenes import InputError, Status
 
 from ..reasons import described
-from .inside import LINUX, OPEN, Ended, Item, Limits, Result, descendants, memory, packed, serve
+from .inside import (
+    LINUX,
+    OWN,
+    Ended,
+    Item,
+    Language,
+    Limits,
+    Result,
+    descendants,
+    memory,
+    outcome_of,
+    packed,
+    serve,
+)
 
 CONTEXT = get_context("fork") if LINUX else get_context("spawn")  # a fork takes milliseconds; elsewhere it is not safe
 SIGNALS: Mapping[int, str] = {each.value: each.name for each in signal.Signals}
@@ -36,17 +47,22 @@ CHUNK, HEAD = 2**20, 4  # bytes of a message that are taken at a time, and that 
 class Worker(Generic[Item, Result]):
     """A process that calls one function with what it is asked, one after the other, until it dies or is ended."""
 
-    def __init__(self, function: Callable[[Item], Result]) -> None:
-        """Begin the process; InputError where the system allows no further one."""
+    def __init__(self, function: Callable[[Item], Result], language: Language = OWN) -> None:
+        """Begin the process; InputError where the system allows no further one.
+
+        Args:
+            function: what it calls.
+            language: of its answers; `PLAIN` where anybody's code runs in it.
+        """
         try:
             self.connection, theirs = CONTEXT.Pipe()
-            OPEN.add(self.connection)
-            self._process = CONTEXT.Process(target=serve, args=(theirs, function, os.getpid()), daemon=True)
+            self._process = CONTEXT.Process(target=serve, args=(theirs, function, os.getpid(), language), daemon=True)
             with uninterrupted():
                 self._process.start()
         except OSError as error:
             raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
         theirs.close()
+        self._language = language
         self._come = bytearray()  # of a message
         self._engine = 0  # the process that answers, once it has sent its number
         self.busy = False  # whether it was asked for something of which the outcome is not known
@@ -80,7 +96,6 @@ class Worker(Generic[Item, Result]):
             self._process.join(PATIENCE)
         self._process.kill()
         self._process.join()
-        OPEN.discard(self.connection)
         self.connection.close()
 
     def _ended(self) -> Ended | None:
@@ -88,9 +103,9 @@ class Worker(Generic[Item, Result]):
         try:
             while self.busy and (message := self._message()) is not None:
                 if self._engine:
-                    (self.outcome,), self.busy = message, False
+                    self.outcome, self.busy = outcome_of(message), False
                 else:
-                    self._engine = message
+                    self._engine = int(message)
         except (EOFError, OSError):
             return self._died()
         except Exception as error:
@@ -103,7 +118,7 @@ class Worker(Generic[Item, Result]):
         """What was sent, once it is whole, None before that: half a message holds nobody up."""
         if self.connection.poll():
             if sys.platform == "win32":
-                return _Reader(io.BytesIO(self.connection.recv_bytes())).load()
+                return self._language.read(self.connection.recv_bytes())
             if not (more := os.read(self.connection.fileno(), CHUNK)):
                 raise EOFError
             self._come += more
@@ -113,7 +128,7 @@ class Worker(Generic[Item, Result]):
         if len(self._come) < end:
             return None
         message, self._come = bytes(self._come[HEAD:end]), self._come[end:]
-        return _Reader(io.BytesIO(message)).load()
+        return self._language.read(message)
 
     def _beyond(self) -> Ended | None:
         if monotonic() >= self._look:
@@ -146,25 +161,19 @@ class Worker(Generic[Item, Result]):
         return Ended(Status.crashed, f"its process ended by {cause}")
 
 
-class _Reader(pickle.Unpickler):
-    """Imports nothing for what it reads: an engine's own code stays where it is."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        if module not in sys.modules:
-            raise pickle.UnpicklingError(f"{name} of {module} is not known outside of it")
-        return super().find_class(module, name)
-
-
 def isolated(
-    function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Poll
+    function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Poll, language: Language = OWN
 ) -> Iterator[tuple[Item, Result | Ended]]:
-    """Yield every item with what the function returns for it, or how it ended; where `poll` raises, all ends."""
+    """Yield every item with what the function returns for it, or how it ended; where `poll` raises, all ends.
+
+    The language is as for `Worker`.
+    """
     left, idle, busy = list(reversed(items)), list[Worker[Item, Result]](), dict[Worker[Item, Result], Item]()
     try:
         while left or busy:
             poll()
             while left and len(busy) < limits.workers:
-                worker = idle.pop() if idle else Worker(function)
+                worker = idle.pop() if idle else Worker(function, language)
                 busy[worker] = left.pop()
                 worker.ask(busy[worker], limits)
             wait([worker.connection for worker in busy], POLL)

@@ -14,7 +14,7 @@ from scenes import Scene
 from .. import registry
 from ..runner import HERE, LIMITS, Runs
 from ..threads import one_thread
-from .inside import Ended, Limits
+from .inside import PLAIN, Ended, Limits
 from .isolation import Poll, Worker
 
 TRIES = 3  # processes that may crash on a scene before its engine is not begun anew
@@ -34,7 +34,7 @@ class Workers(Runs):
 
     def begin(self, name: str) -> Worker[Callable[[], Any], Any]:
         """Begin an engine's process, which imports the engine while nobody waits for it."""
-        worker = self._workers[name] = Worker[Callable[[], Any], Any](call)
+        worker = self._workers[name] = Worker[Callable[[], Any], Any](call, PLAIN)
         worker.ask(partial(_import, name), LIMITS)
         return worker
 

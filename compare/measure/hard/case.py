@@ -8,6 +8,7 @@ that can be assembled end as `cannot_assemble`.
 from collections.abc import Callable, Sequence
 from enum import StrEnum
 from functools import partial
+from multiprocessing import current_process
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,7 +23,9 @@ from ...engines.processes.inside import Ended, Limits
 from ...engines.processes.isolation import isolated
 from ...engines.processes.stopping import Progress
 from ...engines.processes.stopping import kept as until_stopped
+from ...engines.processes.workers import workers
 from ...engines.registry import ORACLE, REFERENCE
+from ...engines.runner import HERE, Runs
 from ...judge.errors import worst_of
 from ...judge.floor import NO_ANSWER
 from ...judge.measure import Measurement, attempts, checked_run, measure, offers
@@ -93,7 +96,18 @@ def forget(folder: Path) -> None:
 
 
 def examine(case: Case) -> list[Row]:
-    """One row an attempt of the engine; of the reference one, measured by arbitrary precision."""
+    """One row an attempt of the engine; of the reference one, measured by arbitrary precision.
+
+    This process judges, so an engine from outside has one of its own below it.
+    """
+    if not registry.ENTRIES[case.engine].outside:
+        return _examined(case, HERE)
+    current_process().daemon = False  # it may have processes of its own, which end with it
+    with workers([case.engine], lambda: None) as runs:
+        return _examined(case, runs)
+
+
+def _examined(case: Case, runs: Runs) -> list[Row]:
     ladder = hard.ladder(case.ladder)
     rung = next(rung for rung in ladder.rungs if rung.label == case.rung)
     samples = FEW if rung.turns > 1 else ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES
@@ -106,11 +120,11 @@ def examine(case: Case) -> list[Row]:
         outcome = Outcome.refused if rung.status == hard.INVALID else Outcome.false_alarm
         return [case_row(case, hard.INVALID, str(error), "reader", outcome)]
     except Failure as failure:
-        return [_nothing_to_solve(case, scene, sampling, failure, rung.status)]
+        return [_nothing_to_solve(case, scene, sampling, failure, rung.status, runs)]
     if case.engine == REFERENCE:
         row = _certified(case, reference, sampling, explained, rung.status)
         return [_counted(row, reference) if ladder.file.digits and row["outcome"] == Outcome.right else row]
-    at = partial(measure, reference, case.engine, sampling, explained=explained)
+    at = partial(measure, reference, case.engine, sampling, explained=explained, runs=runs)
     made = attempts(at, offers(case.engine, "balanced"))
     return [_attempted(case, reference, measured, explained) for measured in made]
 
@@ -162,9 +176,9 @@ def _counted(row: Row, reference: Reference) -> Row:
     return row | figures | wrong
 
 
-def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Failure, expected: str) -> Row:
+def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Failure, expected: str, runs: Runs) -> Row:
     """The row of an engine where the reference finds no motion: neither may it, nor the oracle."""
-    run = checked_run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling)
+    run = checked_run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling, runs=runs)
     if case.engine == REFERENCE:
         agreed = run.status is not Status.ok and expected == failure.status.name
         outcome = Outcome.refused if agreed else Outcome.false_alarm

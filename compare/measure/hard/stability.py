@@ -11,7 +11,7 @@ An engine has maps if it has time steps (`at_steps` of its protocol), and the fi
 has an answer to how many sweeps they need (`iterations_needed`).
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import product
@@ -24,11 +24,11 @@ from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 from scenes.fields import put
 
 from ...engines import registry
-from ...engines.outside import check_settings, stand_in
+from ...engines.outside import Told, check_settings, stood_in, told
 from ...engines.processes.inside import Ended
 from ...engines.processes.stopping import Progress, kept
 from ...engines.processes.workers import workers
-from ...engines.reasons import described
+from ...engines.reasons import described, text_of
 from ...engines.runner import Runs
 from ...judge.floor import establish
 from ...judge.measure import Measurement, checked_run, measure
@@ -75,8 +75,8 @@ def stability_table(scene: Scene, engines: Iterable[str], to_lock: Variants, pro
 def over_sweeps(reference: Reference, engine: str, show: Progress, runs: Runs) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
     for steps in STEPS:
-        known = runs.asked(engine, reference.scene, partial(_needed, engine, reference.scene, steps))
-        needed, fault = (np.nan, f"iterations_needed: {known.reason}") if isinstance(known, Ended) else known
+        known, why = _answer(runs, reference.scene, _needed, engine, reference.scene, steps)
+        needed, fault = known if isinstance(known, float) else np.nan, why and f"iterations_needed: {why}"
         for number in SWEEPS:
             show(f"stability of {engine}: {number} sweeps, {steps} steps")
             cell = _cell(("sweeps", engine, str(number), steps), reference, runs, fault)
@@ -120,17 +120,37 @@ def _needed(engine: str, scene: Scene, steps: int) -> tuple[float, str]:
     except Failure:
         return np.nan, ""
     except Exception as error:  # an engine's own fault is an outcome to report
-        return np.nan, f"iterations_needed: {described(error)}"
+        return np.nan, described(error)
 
 
-def _at_steps(engine: str, *numbers: int) -> Settings | str:
-    """The settings for that many steps a cycle and, if given, sweeps a step; or what failed."""
+def _at_steps(engine: str, *numbers: int) -> tuple[Told | None, str]:
+    """What is told of the settings for that many steps a cycle and, if given, sweeps a step; and what failed."""
     try:
         module: Any = registry.imported(engine)
         check_settings(settings := module.at_steps(*numbers))
+        return told(settings), ""
     except Exception as error:
-        return f"at_steps: {described(error)}"
-    return stand_in(settings) if registry.ENTRIES[engine].outside else settings
+        return None, described(error)
+
+
+def _answer(runs: Runs, scene: Scene, function: Callable[..., Any], engine: str, *more: object) -> tuple[Any, str]:
+    """What an engine's own process answers, or None; and what failed, as any of it may."""
+    known = runs.asked(engine, scene, partial(function, engine, *more))
+    if isinstance(known, Ended):
+        return None, known.reason
+    with suppress(Exception):  # whatever it has sent
+        answer, fault = known
+        return answer, text_of(fault)
+    return None, "its answer is none"
+
+
+def _steps(engine: str, scene: Scene, runs: Runs, *numbers: int) -> tuple[Settings | None, str]:
+    """The settings of `_at_steps`, or None; and what failed."""
+    known, fault = _answer(runs, scene, _at_steps, engine, *numbers)
+    try:
+        return (None if fault else stood_in(known)), fault and f"at_steps: {fault}"
+    except Exception as error:
+        return None, f"at_steps: {described(error)}"
 
 
 def _cell(place: Place, reference: Reference | Scene, runs: Runs, fault: str = "") -> Cell:
@@ -139,9 +159,8 @@ def _cell(place: Place, reference: Reference | Scene, runs: Runs, fault: str = "
     sweeps = [int(label)] if kind == "sweeps" else []
     scene = reference if isinstance(reference, Scene) else reference.scene
     cell: Cell = {"map": kind, "engine": engine, "x": float(label), "label": label, "steps": steps, "setting": ""}
-    settings: object = fault or runs.asked(engine, scene, partial(_at_steps, engine, steps, *sweeps))
-    if not isinstance(settings, Settings):
-        reason = f"at_steps: {settings.reason}" if isinstance(settings, Ended) else settings
+    settings, reason = (None, fault) if fault else _steps(engine, scene, runs, steps, *sweeps)
+    if settings is None:
         return cell | {"status": Status.crashed.name, "reason": reason, "error": np.nan, "solve_s": np.nan}
     sampling = Sampling(SAMPLES, int(label) if kind == "drift" else 1)
     if isinstance(reference, Scene):

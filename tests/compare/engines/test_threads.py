@@ -23,6 +23,10 @@ def threads(*_: object) -> set[int]:
     return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
 
 
+def numbers_of_threads() -> list[int]:
+    return [*threads()]
+
+
 @pytest.fixture(autouse=True)
 def _several(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Have a program that computes on two threads, as a notebook does, and has them again afterwards."""
@@ -36,7 +40,7 @@ def _several(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_an_engine_in_this_process_and_in_its_own_and_the_reference_beside_it() -> None:
     assert HERE.asked("analytic", load("four_bar"), threads) == {1}
     with workers(["analytic"], lambda: None) as runs:
-        assert runs.asked("analytic", load("four_bar"), threads) == {1}
+        assert runs.asked("analytic", load("four_bar"), numbers_of_threads) == [1]
         assert threads() == {1}
     assert [*isolated(threads, [0], Limits(), lambda: None)] == [(0, {1})]
 
