@@ -60,9 +60,16 @@ def asked(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None) -> tu
     request = Sampling(channels=known_names("channels", channels, ("time", scene.drive_channel, *names)))
     wanted = {channel.rpartition(".")[0] for channel in request.channels or ()}
     count = len(whole.groups)
-    while count and not any({body, *whole.carries[body]} & wanted for body in members(whole.groups[count - 1])):
+    while count and wanted.isdisjoint(_names(whole, whole.groups[count - 1])):
         count -= 1
     return request, whole if request.wants_forces(scene) else replace(whole, groups=whole.groups[:count])
+
+
+def _names(whole: Linkage, group: Dyad | Group) -> Iterator[str]:
+    """Yield what a group's channels are named by: itself, its bodies and their points."""
+    yield group.P
+    for body in members(group):
+        yield from (body, *whole.carries[body])
 
 
 def _transmission(joint: str, k: Kinematics, _: Reactions) -> Samples:

@@ -71,7 +71,7 @@ class InnerSlide:
     """RPR or RPP: the second leg is pinned at A and the first one slides on it."""
 
     legs: tuple[Leg, Pinned]
-    P: str  # the guide's slider, by which the dyad is named
+    P: str  # the guide's slider, by which the dyad is named, see `_Placed.named`
     guide: Guided  # of the first leg on the second
     branch: Number  # RPR: of (A1 - A2) . t; RPP: of t1 x t2
 
@@ -175,6 +175,13 @@ class _Placed:
                 return Guided(name, other, F, G, as_complex(slide.along), slider)
         return None
 
+    def named(self, body: str, other: str) -> str:
+        """Return the name of a group by two bodies of its own: the first one's, or both where a point has that name.
+
+        Groups are named by inner pins too. A point may be called as a body is, and no name has a slash.
+        """
+        return f"{body}/{other}" if body in self.scene.owners else body
+
     def direction(self, leg: Guided) -> Vector:
         """Return the direction of a guide in the sketch."""
         return sketched_attitude(self.scene, leg.body, self.bodies) * leg.t
@@ -214,11 +221,12 @@ def _inner_pin(placed: _Placed, P: str, one: Leg, two: Leg) -> InnerPin:
 
 
 def _inner_slide(placed: _Placed, one: Leg, two: Pinned, guide: Guided) -> InnerSlide:
+    name = placed.named(guide.slider, guide.on if guide.slider == guide.body else guide.body)
     if isinstance(one, Guided):
-        return InnerSlide((one, two), guide.slider, guide, _crossing(placed, one, guide))
+        return InnerSlide((one, two), name, guide, _crossing(placed, one, guide))
     ahead = ((placed.at[one.A] - placed.at[two.A]) * placed.direction(guide).conjugate()).real
     branch = _sign(ahead, f"{one.A}-{two.A} is square to the guide of {guide.slider}")
-    return InnerSlide((one, two), guide.slider, guide, branch)
+    return InnerSlide((one, two), name, guide, branch)
 
 
 def _crossing(placed: _Placed, one: Guided, two: Guided) -> Number:
@@ -270,6 +278,7 @@ def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
         return {GROUND, *placed.carries, *bodies}.issuperset(pair) and not {*bodies}.isdisjoint(pair)
 
     slides = tuple(pair for name, slide in placed.scene.slides.items() if joined(pair := (name, slide.on)))
-    name = next((pin.point for pin in pins if pin.on is not None), bodies[0])
+    inner = next((pin.point for pin in pins if pin.on is not None), None)
+    name = inner or placed.named(bodies[0], bodies[-1])
     drive = placed.scene.drive.body, placed.scene.drive_on
     return Group(bodies, tuple(pins), slides, name, drive if GROUND not in drive and joined(drive) else None)

@@ -213,9 +213,9 @@ def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
     """Return the run, its motion that of the channels asked for, its status corrected where that is not whole."""
     if outcome.motion is None:
         return outcome
-    joints = (*scene.moving_points, *scene.bodies)
-    asked = {*request.wanted(scene), *(f"{joint}.{kind}" for joint in joints for kind in OF_GROUPS)}
     samples, reasons = outcome.motion.samples, outcome.motion.unsupported
+    of_groups = (c for c in (*samples, *reasons) if _names_a_group(scene, c))
+    asked = {*request.wanted(scene), *of_groups}
     motion = Motion({c: samples[c] for c in samples if c in asked}, {c: reasons[c] for c in reasons if c in asked})
     if outcome.status is not Status.ok:
         return replace(outcome, motion=_usable(motion, scene, request))
@@ -225,6 +225,12 @@ def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
         known = _usable(failure.motion, scene, request)
         return replace(outcome, status=failure.status, reason=failure.reason, found_by="checks", motion=known)
     return replace(outcome, motion=motion)
+
+
+def _names_a_group(scene: Scene, channel: str) -> bool:
+    """Whether a channel is how far a group is from a singular pose: of a point, of a body, or of two bodies."""
+    name, _, kind = channel.rpartition(".")
+    return kind in OF_GROUPS and {*name.split("/")} <= {*scene.moving_points, *scene.bodies}
 
 
 def _usable(motion: Motion | None, scene: Scene, request: Rows) -> Motion | None:

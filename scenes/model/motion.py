@@ -28,6 +28,7 @@ Between the samples enclosures are known of channels, and of magnitudes:
 | magnitude | meaning |
 |---|---|
 | `P.speed`, `P.acceleration`, `P.force` | how large the velocity, the acceleration, the force at a pin is |
+| `P/body.force` | the same for a third body at one point; and of a pin called `drive` where the drive has a force |
 | `transmission` | the least transmission angle of all dyads |
 
 The drive stays where it is, and all other lengths as they are; lengths are those of links between their two pins. Of a
@@ -47,7 +48,7 @@ import numpy as np
 from ..drive import ConstantSpeed
 from ..drive import Samples as Samples  # which most who read a motion name
 from ..errors import InputError, nearest
-from ..scene import Scene
+from ..scene import Pin, Scene
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -114,9 +115,16 @@ def channels(scene: Scene) -> tuple[str, ...]:
 
 def magnitudes(scene: Scene) -> Mapping[str, tuple[str, str]]:
     """The names of a scene's magnitudes, with the two channels that each is the length of; not the least angle."""
-    joints = [pin.channel for pin in scene.pins] if scene.has_masses else []
-    of = {"speed": ("v", scene.moving_points), "acceleration": ("a", scene.moving_points), "force": ("f", joints)}
-    return {f"{at}.{name}": (f"{at}.{q}x", f"{at}.{q}y") for name, (q, places) in of.items() for at in places}
+    rates = {"speed": "v", "acceleration": "a"}
+    of = {f"{p}.{name}": (f"{p}.{q}x", f"{p}.{q}y") for name, q in rates.items() for p in scene.moving_points}
+    pins = scene.pins if scene.has_masses else ()
+    return of | {force_at(scene, pin): (f"{pin.channel}.fx", f"{pin.channel}.fy") for pin in pins}
+
+
+def force_at(scene: Scene, pin: Pin) -> str:
+    """The name of how large a pin's force is: `P.force`, and with its later body where that is the drive's channel."""
+    name = f"{pin.channel}.force"
+    return f"{pin.point}/{pin.second}.force" if name == scene.effort_channel else name
 
 
 @dataclass(frozen=True)

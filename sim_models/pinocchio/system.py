@@ -59,13 +59,14 @@ class PinocchioSystem(System):
             turns[joint.child] = turns[joint.parent] + joint.turns * own
         self._turns = np.array([*turns.values()])  # of every body by coordinate: 0 or 1
         self._data: Any = self._model.createData()
-        in_tree = {joint.name for joint in self._joints}
+        pins = {joint.name for joint in self._joints if joint.turns}
+        slides = {joint.name for joint in self._joints if not joint.turns}
         self.arms = {end: arm - self._anchors[end[0]] for end, arm in self.arms.items()}
         for name, guide in self.guides.items():
             through, first = guide.through - self._anchors[guide.carrier], guide.first - self._anchors[name]
             self.guides[name] = guide._replace(through=through, first=first)
-        self.pins = [pin for pin in scene.pins if pin.channel not in in_tree]
-        self.sliders = [name for name in self.guides if name not in in_tree]
+        self.pins = [pin for pin in scene.pins if pin.channel not in pins]
+        self.sliders = [name for name in self.guides if name not in slides]
         self.units = np.array([1.0 if joint.turns else self.size for joint in self._joints])
 
     def placed(self, bodies: Mapping[str, MovingBody]) -> Samples:
@@ -166,7 +167,7 @@ class PinocchioSystem(System):
         """Add a joint with its child, and return its number."""
         kind = pinocchio.JointModelRZ() if joint.turns else pinocchio.JointModelPrismaticUnaligned(_space(joint.along))
         place = pinocchio.SE3(np.eye(3), _space(joint.at - self._anchors[joint.parent]))
-        number: int = self._model.addJoint(self._number[joint.parent], kind, place, joint.name)
+        number: int = self._model.addJoint(self._number[joint.parent], kind, place, joint.child)  # one joint a body
         body = self.bodies[joint.child]
         about = np.diag([body.inertia / 2, body.inertia / 2, body.inertia])  # only the last matters in the plane
         inertia = pinocchio.Inertia(body.mass, _space(body.com - joint.anchor), about)

@@ -19,7 +19,7 @@ from scenes.bodies import LINE, Body
 from scenes.file.changes import at_path
 from scenes.file.reader import tables_of
 from scenes.limits import NAME
-from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
+from scenes.model.motion import TRANSMISSION, UNITS, force_at, magnitudes, quantity
 from scenes.scene import ConstantSpeed, Spring, TorsionSpring
 
 from ...engines import registry
@@ -168,7 +168,7 @@ class Bench:
         guide. What is no more than `zero`, SI, is round-off.
         """
         scene, named, known = self.scene, units(self.study.reference), self.program["channels"]
-        largest = {f"{pin.channel}.force": f"Pin {pin.channel}: {pin.first} on {pin.second}" for pin in scene.pins}
+        largest = {force_at(scene, pin): f"Pin {pin.channel}: {pin.first} on {pin.second}" for pin in scene.pins}
         largest |= {f"{body}.guide_force": f"Guide on {body}: force" for body in scene.slides}
         largest |= {scene.effort_channel: f"Drive: {quantity(scene.effort_channel)}"}
         largest |= {f"{scene.output}.{rate}": f"{scene.output}: {rate}" for rate in ("speed", "acceleration")}

@@ -303,7 +303,7 @@ slider.onkeydown = event => { // the arrows, Home and End are its own
 document.addEventListener("click", event => {
   const goal = event.target.closest("[data-at]");
   if (!goal) return;
-  const stem = (goal.dataset.channel ?? "").replace(/\.[^.]*$/, ""), point = head.marks[stem] ?? stem.split("/")[0];
+  const channel = goal.dataset.channel ?? "", point = head.marks[channel] ?? channel.replace(/\.[^.]*$/, "").split("/")[0];
   scrub(nearest(goal.dataset.at * axis.factor), `${point}.x` in place || point in head.ground ? point : "");
   root.scrollIntoView({ block: "nearest" });
 });

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.model.motion import UNITS, Samples, channels, quantity
 
 from ...engines.registry import REFERENCE
+from ...engines.runner import OF_GROUPS
 from ...judge.errors import Comparison
 from ...mechanics.axis import axis
 from ...study import Study
@@ -29,6 +30,7 @@ SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer
 NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples; in the page three bytes each
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
+OF_BODIES = ("angle", "omega", "alpha", "guide_force", "guide_moment", "friction_force")  # quantities
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
 
 
@@ -107,7 +109,6 @@ class MovingPicture:
     def _header(self) -> dict[str, Any]:
         scene, drawing = self.study.scene, self.drawing
         over, named = axis(scene), units(self.study.reference)
-        first = {body.name: body.points[0] for body in scene.bodies.values()}
         colours = {BEFORE: GREY} | {m.run.engine: colour(number) for number, m in enumerate(self.study.measurements)}
         kept = ("name", "point", "load", "components", "on", "way", "moment")
         efforts = ((channel, named[UNITS[quantity(channel)]]) for channel in self._effort)
@@ -131,8 +132,19 @@ class MovingPicture:
             "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
             "outlines": outlines(drawing),
             "vectors": self.vectors,
-            "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
+            "marks": dict(self._marks()),
         }
+
+    def _marks(self) -> Iterator[tuple[str, str]]:
+        """Yield the channels of bodies and of the drive, with the first point of each; points may have their names."""
+        scene = self.study.scene
+        first = {body.name: body.points[0] for body in scene.bodies.values()}
+        for channel in (*channels(scene), *self.study.motion.samples):
+            name, _, measured = channel.rpartition(".")
+            if channel in (scene.drive_channel, scene.effort_channel):
+                yield channel, first[scene.drive.body]
+            elif measured in OF_BODIES or (measured in OF_GROUPS and name not in scene.owners):
+                yield channel, first[name.partition("/")[0]]
 
     @cached_property
     def vectors(self) -> list[dict[str, Any]]:

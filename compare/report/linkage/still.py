@@ -34,7 +34,7 @@ def stopped(scene: Scene, way: MotionRange) -> str:
     root, _ = picture(drawing)
     for sketch in root.iterfind("g[@class='ghost']"):
         del sketch.attrib["visibility"]
-    body = scene.bodies.get(way.joint)
+    body = None if way.joint in scene.owners else scene.bodies.get(way.joint.partition("/")[0])
     if (point := body.points[0] if body else way.joint) in drawing.places:
         _mark(root, complex(drawing.units(drawing.places[point])[0]))
     return stands_alone(root, drawing.size)
