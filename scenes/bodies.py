@@ -186,11 +186,14 @@ class BodyTable(FileTable):
     """A rigid body: its points in its own frame, or its lengths."""
 
     points: Annotated[dict[Name, Place], Field(min_length=1)] | None = Field(
-        None, description="By name: [x, y] in its own frame. A point that two bodies name is a pin."
+        None,
+        description="By name: [x, y] in its own frame. A point that two bodies name is a pin.",
+        examples=[{"A": [0, 0], "B": [100, 0]}],
     )
     lengths: Annotated[dict[PointPair, Length], Field(min_length=1)] | None = Field(
         None,
         description='Instead of `points`, as "A-B" = 200; each point after the second needs those to two before it.',
+        examples=[{"A-B": 200}],
     )
     mass: Mass | None = Field(None, description="Its mass; without any in the file there are no forces.")
     com: Place | None = Field(

@@ -41,7 +41,8 @@ def path_in_file(parts: Iterable[object]) -> str:
 def nearest(name: str, known: Iterable[str], *, or_all: bool = True) -> str:
     """`; did you mean 'x'?` for the closest of the `known` names, or the whole list when none is close."""
     choices = sorted(set(known))
-    close = get_close_matches(name, choices, n=1, cutoff=0.6)
+    by_letters = {choice.casefold(): choice for choice in choices}  # capital or small
+    close = get_close_matches(name.casefold(), by_letters, n=1, cutoff=0.6)
     if close:
-        return f"; did you mean '{close[0]}'?"
+        return f"; did you mean '{by_letters[close[0]]}'?"
     return f"; one of {', '.join(choices)}" if choices and or_all else ""

@@ -22,7 +22,7 @@ _ENGINE = rf"^{ENGINE}(@[A-Za-z0-9_.-]+)?$"
 _TWO = 2 * limits.NAME + 1  # characters of two names and what joins them
 PATTERNS = {
     NAME: "letters, digits and '_', starting with a letter",
-    _PAIR: "two point names joined by '-'",
+    _PAIR: "two point names joined by '-', as \"A-B\"",
     _POINT: "a point of a body, as 'body.point'",
     _ENGINE: "an engine's, of letters, digits, '_', '.' and '-'",
 }

@@ -17,7 +17,8 @@ from pydantic_core import PydanticCustomError
 from .errors import InputError, at_place, nearest
 from .fields import FileTable
 from .file.changes import Value, as_text, change
-from .file.format import Format, validated
+from .file.explained import validated
+from .file.format import Format
 from .file.reader import LIBRARY, load, tables_of
 from .file.toml import read_toml
 from .model.engine import Status

@@ -10,7 +10,7 @@ from pydantic import Field
 from scenes import InputError, Scene
 from scenes.errors import at_place, one_line
 from scenes.fields import FileTable, Finite, Pair, Positive
-from scenes.file.format import validated
+from scenes.file.explained import validated
 from scenes.file.reader import tables_of
 from scenes.file.toml import read_toml
 from scenes.file.units import factor

@@ -76,6 +76,10 @@ class GuideFriction(_Friction):
 
 
 Friction: TypeAlias = PinFriction | GuideFriction
+NEEDED = {  # what the sizes of joints are for
+    "radius": "the radius of the pin: its friction is at most coefficient * radius * force",
+    "length": "the length of the guide's contact: its ends carry the slider's moment, which gives friction too",
+}
 
 
 class FrictionTable(FileTable):
@@ -99,7 +103,7 @@ class FrictionTable(FileTable):
             if getattr(self, key) is not None:
                 raise InputError(f"{place}.{key}: expected '{'at' if key != 'length' else 'slider'}' with it")
         if getattr(self, size) is None:
-            raise InputError(f"{place}.{size}: missing; {'the pin has one' if size == 'radius' else 'of the contact'}")
+            raise InputError(f"{place}.{size}: missing; {NEEDED[size]}")
         given = self.model_dump(exclude_none=True)
         return PinFriction(**given) if self.slider is None else GuideFriction(**given)
 

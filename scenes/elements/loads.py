@@ -158,7 +158,8 @@ class LoadTable(FileTable):
         for key in (key for key, asked in sliding.items() if asked):
             if not (grounded if key == "last" else slide):
                 ground = " on the ground" * (key == "last")
-                raise InputError(f"{place}.{key}: expected a body that slides{ground}, found '{self.body}'")
+                vector = "[x, y], or " * (key == "force")
+                raise InputError(f"{place}.{key}: expected {vector}a body that slides{ground}, found '{self.body}'")
         force: Any = self.force
         table, moment = None, self.force is None and self.along is None and not by_table
         if self.table is not None:

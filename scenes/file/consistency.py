@@ -13,6 +13,7 @@ from ..elements.tables import LoadCurve
 from ..errors import InputError, nearest, path_in_file
 from ..limits import POINTS, TURNS, WAVES
 from ..scene import GROUND, Body, HarmonicLaw, MotionLaw, Scene, SegmentedLaw, Spring, TorsionSpring, Vector
+from . import freedoms
 from .demands import unmet_by_numbers, unmet_together
 
 
@@ -56,7 +57,9 @@ def _of_slides(scene: Scene) -> Iterator[str]:
     pivots = {*scene.bodies[driven].points} & {*(scene.ground if base == GROUND else scene.bodies[base].points)}
     if driven not in on and len(pivots) != 1:
         where = "the ground" if base == GROUND else f"'{base}'"
-        yield f"drive.body: '{driven}' has {len(pivots)} points on {where}; expected one, to turn about"
+        slips = freedoms.slips(scene, scene.bodies[driven].points) if not pivots else ""
+        has = slips or f"{where} has {', '.join(scene.ground if base == GROUND else scene.bodies[base].points)}"
+        yield f"drive.body: '{driven}' has {len(pivots)} points on {where}; expected one, to turn about; {has}"
 
 
 def _of_bodies(scene: Scene) -> Iterator[str]:
@@ -158,13 +161,15 @@ def _of_joints(scene: Scene) -> Iterator[str]:
     for body in scene.bodies.values():
         if body.name in joined:
             chain = f"no chain of pins or slides leads from {', '.join(body.points)} to the ground"
-            yield f"bodies.{body.name}: hangs on nothing: {chain}"
+            slips = freedoms.slips(scene, body.points)
+            yield f"bodies.{body.name}: hangs on nothing: {chain}{slips and f'; {slips}'}"
     b, p, s = len(scene.bodies), len(scene.pins), len(slides)
     mobility = 3 * b - 2 * p - 2 * s
     if mobility != 1:
         kind = "under-constrained" if mobility > 1 else "over-constrained"
-        count = f"3*{b} - 2*{p} - 2*{s} = {mobility} degrees of freedom"
-        yield f"bodies: {kind}: {b} bodies, {p} pins and {s} slides leave {count}; expected 1, for the drive"
+        count = f"{b} bodies, {p} pins and {s} slides leave 3*{b} - 2*{p} - 2*{s} = {mobility} degrees of freedom"
+        cause = freedoms.cause(scene, mobility)
+        yield f"bodies: {kind}: {cause}{'' if cause.endswith('?') else ';'} {count}; expected 1, for the drive"
 
 
 def _of_elements(scene: Scene) -> Iterator[str]:

@@ -1,9 +1,8 @@
 """The files as they are written, `format = 1`: keys, types, ranges. Numbers are in the units of the scene file."""
 
-from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
+from pydantic import BeforeValidator, ConfigDict, Field, Strict
 
 from .. import limits
 from ..bodies import BodyTable
@@ -11,8 +10,7 @@ from ..drive import DriveTable
 from ..elements.friction import FrictionTable
 from ..elements.loads import LoadTable
 from ..elements.springs import SpringTable, TorsionSpringTable
-from ..errors import InputError, nearest, one_line, path_in_file
-from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive, parts
+from ..fields import EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive
 from ..scene import LimitTable, VariationTable
 
 # To Python, True is 1.
@@ -35,7 +33,9 @@ class Units(FileTable):
 class GroundTable(FileTable):
     """What does not move."""
 
-    points: Annotated[dict[Name, Place], Field(min_length=1)] = Field(description="The fixed points, by name: [x, y].")
+    points: Annotated[dict[Name, Place], Field(min_length=1)] = Field(
+        description="The fixed points, by name: [x, y].", examples=[{"A": [0, 0]}]
+    )
 
 
 class SketchTable(FileTable):
@@ -104,69 +104,3 @@ class SceneFile(FileTable):
         {}, max_length=limits.LOADS, description='By channel or magnitude, as "P1.force", what `--check` holds it to.'
     )
     results: dict[Name, dict[str, Any]] = Field({}, description="By name how to read a result, for `--result`.")
-
-
-BEYOND = {  # by keys that files may be thought to have
-    "gear cam belt chain": "no such joint here, bodies are joined by pins and straight slides",
-    "clearance backlash": "no clearance here, joints are without play",
-    "drive.torque drive.force": "a drive is not pushed, expected its motion, by which this is found",
-}
-File = TypeVar("File", bound=FileTable)
-
-
-def validated(file: type[File], tables: object) -> File:
-    """What the tables of a file hold; InputError, `<path in it>: <what was expected>`, where they do not fit."""
-    try:
-        return file.model_validate(tables)
-    except ValidationError as error:
-        raise InputError(_explained(error, file)) from None
-
-
-def _explained(error: ValidationError, file: type[FileTable]) -> str:
-    """A line on the first of the errors in a file; the rest is counted, since one slip often causes several."""
-    first, *rest = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
-    location = [part for part in first["loc"] if part not in ("[key]", "vector", "number")]
-    given, limits_of = first["input"], first.get("ctx", {})
-    entries = "points, each as 'body.point'" if "between" in location else "numbers"
-    count = "three" if "harmonics" in location else "two"
-    match first["type"]:
-        case "extra_forbidden" if why := _beyond(location):
-            text = f"{why}; see docs/limits.md"
-        case "extra_forbidden":
-            text = f"unknown key{nearest(str(location[-1]), _keys_at(file, location[:-1]))}"
-        case "float_type" if location[:-1] == ["sketch"] and isinstance(given, list):
-            text = "expected a number, since it is where the drive is; a point needs another name"
-        case "missing" if not isinstance(location[-1], int):
-            text = "missing; the file needs it"
-        case "missing" | "too_long" if limits_of.get("max_length", 2) == 2:
-            text = f"expected {count} {entries}"
-        case "too_short":
-            text = f"expected {limits_of['min_length']} or more entries, found {limits_of['actual_length']}"
-        case "too_long" | "string_too_long" as kind:
-            what = "entries" if kind == "too_long" else "characters"
-            text = f"expected {limits_of['max_length']} {what} at most, found {len(given)}"
-        case "string_pattern_mismatch":
-            text = f"not a name: expected {PATTERNS[limits_of['pattern']]}"
-        case "model_type" | "dict_type":
-            text = "expected a table"
-        case "less_than_equal":
-            text = f"expected {limits_of['le']:g} at most, found {given:g}"
-        case kind:
-            as_written = kind in ("greater_than", "greater_than_equal", "literal_error")
-            shown = one_line(repr(given), 40) if as_written else f"'{one_line(str(given), 40)}'"
-            text = f"{first['msg'].replace('Input should be', 'expected')}, found {shown}"
-    return f"{path_in_file(location)}: {text}" + (f" (and {len(rest)} more)" if rest else "")
-
-
-def _beyond(location: Sequence[int | str]) -> str | None:
-    """What a key that is not known asks for beyond these models, and what they have instead."""
-    names = {str(location[-1]).removesuffix("s"), ".".join(map(str, location))}
-    return next((why for keys, why in BEYOND.items() if not names.isdisjoint(keys.split())), None)
-
-
-def _keys_at(model: type[BaseModel], location: list[int | str]) -> Iterator[str]:
-    for part in location:
-        if isinstance(part, str) and part in model.model_fields:
-            kinds = (kind for kind in parts(model.model_fields[part].annotation) if isinstance(kind, type))
-            model = next((kind for kind in kinds if issubclass(kind, BaseModel)), model)
-    yield from model.model_fields

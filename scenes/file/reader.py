@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from os import PathLike
 from os.path import isfile
@@ -26,9 +26,10 @@ from ..model.motion import TRANSMISSION, channels, magnitudes, unit_of
 from ..scene import GROUND, LimitTable, Scene, Sketch
 from .changes import Value, change, check_variations, label, numbers
 from .consistency import check
-from .format import SceneFile, TolerancesTable, validated
+from .explained import validated
+from .format import SceneFile, TolerancesTable
 from .toml import read_toml
-from .units import si_units
+from .units import si_units, unit_named
 
 LIBRARY = Path(str(files("scenes"))) / "library"
 SCHEMA = "scene.schema.json"
@@ -60,7 +61,7 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
     file = label(place, changes)
     with at_place(one_line(file)):
         change(tables, changes)
-        scene = _scene(validated(SceneFile, tables), file)
+        scene = _scene(validated(SceneFile, tables, partial(unit_named, tables)), file)
         check_variations(tables, scene)
     return scene
 

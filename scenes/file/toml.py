@@ -28,11 +28,18 @@ def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) ->
         except FileNotFoundError:
             raise InputError(f"no such {kind} or file{nearest(path.stem, known)}") from None
         except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise InputError(f"not valid TOML: {str(error) or type(error).__name__}") from None
+            raise InputError(f"not valid TOML: {str(error) or type(error).__name__}{_comma(text, error)}") from None
         except ValueError as error:  # an integer of thousands of digits
             raise InputError(f"cannot be read ({error})") from None
         _check_values(tables, ())
     return tables
+
+
+def _comma(text: str, error: Exception) -> str:
+    """What to write in a line that cannot be read, as a number in it has a decimal comma."""
+    line = re.search(r"at line (\d+)", str(error))
+    comma = line and re.search(r"=\s*([-+]?\d+),(\d+)", text.splitlines()[int(line[1]) - 1])
+    return f"; a number's decimals come after a '.', as {comma[1]}.{comma[2]}" if comma else ""
 
 
 SUMMARY_BYTES = 100_000_000  # of a summary.json: one of a hundred bodies has a few megabytes

@@ -4,12 +4,13 @@ The usual ones are known here: to import pint, and have it read its definitions,
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache, lru_cache
 from math import nan, pi
 from typing import Any
 
 from ..errors import InputError, nearest, one_line
+from ..scene import units_of_all
 from .format import Units
 
 _USUAL = {  # how many of the SI unit, the first, which a file has where it names none, each is
@@ -28,6 +29,9 @@ _PRODUCT = re.compile(rf"{_POWER}(?: ?[*/] ?{_POWER}){{0,7}}")
 _SMALLEST, _LARGEST = 1e-30, 1e30  # of a unit in SI: between quecto and quetta, and its square is a double
 
 
+LONGEST = 20  # characters of a unit's name in a message
+
+
 def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str, float]]:
     """The unit of each quantity, and what to multiply its number by to have it in SI; of the speed as it slides."""
     factors = {}
@@ -44,6 +48,22 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
     if units.moment is not None:
         factors["moment"] = units.moment, factor(units.moment, "N*m", "moment", "units.moment", _TWISTING)
     return factors
+
+
+def unit_named(tables: Mapping[str, Any], dimension: str) -> str:
+    """The unit of a dimension that a file names, before it is checked, for messages."""
+    given, drive, bodies = (_inner(tables, key) for key in ("units", "drive", "bodies"))
+    names = {name: field.default for name, field in Units.model_fields.items() if field.default}
+    units = {"speed": "rad/s", **names, **{name: unit for name, unit in given.items() if isinstance(unit, str)}}
+    slides = "slides" in _inner(bodies, drive.get("body"))
+    name, _ = units_of_all({name: (unit, 1.0) for name, unit in units.items()}, slides=slides)[dimension]
+    return one_line(name, LONGEST)
+
+
+def _inner(table: Mapping[str, Any], key: object) -> Mapping[str, Any]:
+    """A table in another one; an empty one where there is none."""
+    inner = table.get(key) if isinstance(key, str) else None
+    return inner if isinstance(inner, dict) else {}
 
 
 def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = ()) -> float:

@@ -34,7 +34,7 @@ def groups(pattern: Pattern) -> list[DiagonalBlock]:
     # Every unknown is matched to an equation that has it. It needs the other unknowns of that equation, and those that
     # they need; unknowns that need each other are one block.
     count = len(pattern)
-    equation = _matched(pattern)
+    equation = matched(pattern)
     if len(equation) < count:
         return [DiagonalBlock(range(count), range(count), [])]
     needs = np.eye(count, dtype=np.float32)
@@ -52,7 +52,7 @@ def groups(pattern: Pattern) -> list[DiagonalBlock]:
     return blocks
 
 
-def _matched(pattern: Pattern) -> Mapping[int, int]:
+def matched(pattern: Pattern) -> Mapping[int, int]:
     """By column a row of its own that has an entry there, for as many as possible: by augmenting paths."""
     owner, owned = dict[int, int](), dict[int, int]()  # by column its row, by row its column
     for start in range(len(pattern)):

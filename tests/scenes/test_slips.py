@@ -14,7 +14,7 @@ SLIPS = {
     "toggle_press": r"""
 [drive] => [drive :: not valid TOML | line
 mass = 40 => mas = 40 :: bodies.rocker.mas | unknown key | 'mass'
-[drive] => [drives] :: drives | unknown key | 'drive'
+[drive] => [drives] :: drives | one drive alone | [drive]
 [output]\nslider = "P5" => :: output | missing
 length = "mm" => length = "mmm" :: units.length | 'mmm' | 'mm'
 mass = 40 => mass = "40" :: bodies.rocker.mass | number | '40'
