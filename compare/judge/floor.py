@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
+from scenes.errors import LONGEST, one_line
 
 from ..engines import registry
 from ..engines.reasons import described
@@ -29,6 +30,13 @@ class UnsolvedError(InputError):
     def __init__(self, text: str, failure: Failure | None = None) -> None:
         super().__init__(text)
         self.failure = failure
+
+    @property
+    def sentence(self) -> str:
+        """What a page on that scene has, which needs no path in its file and no key of a status."""
+        if self.failure is None:
+            return str(self)
+        return f"{self.failure.status.value.removesuffix('.')}: {one_line(self.failure.reason, LONGEST)}."
 
 
 @contextmanager

@@ -155,6 +155,9 @@ def test_it_takes_the_place_of_a_report_and_names_what_changed(tmp_path: Path) -
     assert summary["verdict"]["word"] == "not_solved"
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "rocker and toggle in line at P3" in page
+    assert summary["verdict"]["sentence"].startswith("The bodies cannot be put together at some position of the drive:")
+    for machine_words in ("cannot_assemble", "toggle_press.toml: "):
+        assert machine_words not in page
     assert "lengths.O-P3 30 mm, was 300 mm" in page
 
 

@@ -236,7 +236,7 @@ def summary(study: Study) -> dict[str, Any]:
 def unsolved_summary(scene: Scene, sampling: Sampling, unsolved: UnsolvedError) -> dict[str, Any]:
     """What is known of a scene that cannot run, for `summary.json`."""
     nothing = {"engines": {}, "peaks": (), "errors": (), "cheapest": (), "environment": environment()}
-    return {"scene": scene, "sampling": sampling, "verdict": Agreement(Word.not_solved, str(unsolved)), **nothing}
+    return {"scene": scene, "sampling": sampling, "verdict": Agreement(Word.not_solved, unsolved.sentence), **nothing}
 
 
 def _engine(scene: Scene, measurement: Measurement) -> dict[str, Any]:

@@ -78,7 +78,7 @@ def unsolved_page(scene: Scene, unsolved: UnsolvedError, way: MotionRange | None
         "unsolved.html",
         scene=scene,
         unsolved=unsolved,
-        agreement=Agreement(Word.not_solved, str(unsolved)),
+        agreement=Agreement(Word.not_solved, unsolved.sentence),
         way=way,
         joint=joint,
         goes=[scene.between(ends) for ends in way.ways] if way else [],
