@@ -108,7 +108,11 @@ FURTHER: Deaths = {
     "a Failure of no status": (lambda: _raise(Failure("odd", "why")), Status.crashed, "ValueError: 'odd' is"),  # type: ignore[arg-type]
     "its group": (_end_the_group, Status.crashed, "its process ended by SIGTERM"),
     "no motion": (lambda: None, Status.crashed, "TypeError: expected scenes.Motion, found NoneType"),
-    "samples of functions": (lambda: Motion({"time": lambda: 0}), Status.crashed, "time is of object, expected float64"),  # type: ignore[dict-item]
+    "samples of functions": (
+        lambda: Motion({"time": lambda: 0}),
+        Status.crashed,
+        "time is of object, expected float64",
+    ),  # type: ignore[dict-item]
 }
 ASLEEP: Deaths = {  # which only the time on the wall ends
     "asleep": (lambda: time.sleep(600), Status.timed_out, "no answer within"),

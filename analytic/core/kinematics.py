@@ -161,7 +161,8 @@ class Pass(Placing):
         self.place_along(two.body, two.A, one.on)
         t1, t2 = self.k.direction(one), self.k.direction(inner)
         closure = k.closure[dyad.P] = Closure(t1, t2, cross(t1, t2))
-        k.to_lock[dyad.P] = self.linkage.arm * dyad.branch * closure.det
+        k.reach[dyad.P] = dyad.branch * closure.det
+        k.to_lock[dyad.P] = self.linkage.arm * k.reach[dyad.P]
         C1, C2 = self.fixed(one.on, one.G), self.fixed(two.body, inner.G - (inner.F - one.F))
         first = self.scene.bodies[one.body].points[0]
         r = k.u[one.on] * (self.linkage.bodies[one.body].first - one.F)

@@ -1,7 +1,8 @@
 """All assemblies of a linkage at a position of its drive, and which of them are on one circuit.
 
-A dyad is assembled in two ways. From one to the other without taking it apart a linkage gets where the dyad is in a
-singular configuration, at an end of an interval of the drive's range in which it assembles.
+A dyad is assembled in two ways, and in one where two guides cross. From one to the other without taking it apart a
+linkage gets where the dyad is in a singular configuration, at an end of an interval of the drive's range in which it
+assembles; not where guides become parallel, as they cross infinitely far away.
 
 Of a larger group none is missed, and each is known to be one. The joints are linear in where the bodies' first points
 are. These go by the null space of the joints' incidence matrix, which leaves the closed loops, of attitudes u_c =
@@ -28,7 +29,7 @@ from scenes.arguments import finite_numbers, scene_of
 from scenes.model.enclosures import Assemblies, Assembly
 from scenes.model.motion import Samples, kinematic_channels
 
-from ..core.decomposition import Dyad, Linkage, decompose
+from ..core.decomposition import Dyad, Linkage, decompose, guides_cross
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Complex, FramePoses, Group, GroupEquations, coordinates, equations_of
 from ..core.groups.newton_group import own_jacobian
@@ -112,10 +113,12 @@ def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...
         intervals = motion_range(scene, replace(whole, groups=tuple(groups))) or [((-inf, ""), (inf, ""))]
         parts += ((branches, ends) for ends in intervals)
 
+    apart = {group.P for group in whole.groups if guides_cross(group)}
+
     def meet(one: int, other: int) -> bool:
         (a, first), (b, second) = parts[one], parts[other]
         flipped = [group.P for group, p, q in zip(whole.groups, a, b, strict=True) if p != q]
-        pairs = product(first, second)
+        pairs = product(first, second) if apart.isdisjoint(flipped) else ()
         return any([p] == flipped and p == q and abs(remainder(x - y, turn)) <= SAME for (x, p), (y, q) in pairs)
 
     count, here = range(len(parts)), dict[tuple[Any, ...], tuple[int, Sequence[End]]]()
@@ -123,7 +126,8 @@ def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...
     for number, (branches, ends) in enumerate(parts):  # none in a gap that is too narrow to be seen
         (start, _), (end, _) = ends
         if not (at - start + SAME) % turn > end - start + 2 * SAME:
-            here.setdefault(branches, (int(circuit[number]), [end for end in ends if end[1]]))
+            met = [end for end in ends if end[1] and end[1] not in apart]
+            here.setdefault(branches, (int(circuit[number]), met))
     return here
 
 
