@@ -44,8 +44,7 @@ def rrr_reach(r1: Number, r2: Number, d: Samples) -> Samples:
     # sides would be at that very pose. Elsewhere nothing cancels and any order will do.
     long, short = largest(r1, r2), least(r1, r2)
     stretched = short - (d - long)
-    near = long <= 2 * short
-    folded = (d - chosen(near, long - short, long)) + chosen(near, 0.0, short)
+    folded = chosen(long <= 2 * short, d - (long - short), (d - long) + short)
     reach: Samples = (d + (long + short)) * stretched * (d + (long - short)) * folded
     return reach
 

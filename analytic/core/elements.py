@@ -73,6 +73,11 @@ class Loading:
         phi = twist(spring, self.k)
         return phi + tau * np.floor((self.given[place] - phi) / tau + 0.5)
 
+    def along(self, spring: Spring, d: Any) -> Any:
+        """The direction d / |d| of a spring, given the way d from its first end to its second one, m."""
+        apart = np.abs(d)  # without a free length and a damping there is no pull where ends meet
+        return d / (chosen(apart + spring.length > 0, apart, 1.0) if spring.damping is None else apart)
+
     def size(self, load: TabledLoad, constant: Number = None) -> Number:
         """The number of a load, N or N m, or that of its table."""
         if load.table is None:
@@ -112,8 +117,7 @@ def _spring(spring: Spring, at: Loading) -> Acting:
     z, v, damping = at.k.z, at.k.v, spring.damping
     (first, start), (second, end) = spring.first, spring.second
     d: Any = z[end] - z[start]
-    apart = np.abs(d)  # without a free length and a damping there is no pull where ends meet
-    along = d / (chosen(apart + spring.length > 0, apart, 1.0) if damping is None else apart)
+    along = at.along(spring, d)
     pull = spring.stiffness * (d - spring.length * along)
     if damping is not None:
         pull = pull + damping * dot(along, v[end] - v[start]) * along

@@ -16,7 +16,7 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import ConstantSpeed, Friction, PressForce, TorsionSpring
+from scenes.scene import ConstantSpeed, Friction, PressForce, Spring, TorsionSpring
 
 from ..channels import all_channels, asked
 from ..core.decomposition import Linkage, decompose
@@ -249,6 +249,11 @@ class BoundedBalance(RecordedBalance):
     def acting(self, load: PressForce, place: str) -> Any:
         """Whether a press force acts."""
         return super().acting(load, place).whole
+
+    def along(self, spring: Spring, d: Any) -> Any:
+        """The direction of a spring; none of one that pulls by k d, whose ends may meet."""
+        direction = super().along(spring, d)
+        return direction if spring.damping is not None else chosen(spring.length > 0, direction, 0.0)
 
     def twisted(self, spring: TorsionSpring, place: str) -> Any:
         """The angle of a torsion spring, by what it is roughly; not known where that may be half a turn off."""

@@ -231,11 +231,17 @@ def _less_equal(x: TaylorModel, y: TaylorModel) -> TaylorModel:
 
 
 def _where(condition: TaylorModel, yes: TaylorModel, no: TaylorModel) -> TaylorModel:
-    """One of two; where the condition is not decided all that lies between their bounds, as there may be a jump."""
+    """One of two; where the condition is not decided the middle of both, off by half of what they are apart.
+
+    Two forms of one number are apart by roundings alone. Where there is a jump all between their bounds may be nearer.
+    """
     low, high = condition.range
     (a, b), (c, d) = yes.range, no.range
-    both = hull(np.minimum(a, c), np.maximum(b, d), len(yes.c))
-    return _either(low > 0.5, yes, _either(high < 0.5, no, both))
+    both, apart = hull(np.minimum(a, c), np.maximum(b, d), len(yes.c)), no - yes
+    middle = yes + point([0.5], len(yes.c)) * apart
+    middle = TaylorModel(middle.c, (middle.rest + (apart.most + apart.rest) / 2) * UP)
+    either = _either(middle.radius < both.radius, middle, both)
+    return _either(low > 0.5, yes, _either(high < 0.5, no, either))
 
 
 RULES: Mapping[str, Callable[..., TaylorModel]] = {

@@ -1,0 +1,59 @@
+"""Nothing is left open by the form of a number: equal forms, springs whose ends meet, joints without a load."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analytic
+from scenes import Scene
+from tests import scene_files
+from tests.naming import loaded
+
+NAMES = {name: name for name in ("O", "F", "E", "arm", "cylinder", "rod")}
+
+
+def lifted(foot: float, start: float, end: float) -> Scene:
+    """A cylinder from F that turns an arm of 1 m about O, m: with its tip at E the three are a triangle."""
+    tables: dict[str, Any] = {
+        "format": 1,
+        "name": "lifted",
+        "ground": {"points": {"O": [0, 0], "F": [foot, 0]}},
+        "bodies": {
+            "arm": {"lengths": {"O-E": 1.0}, "mass": 1},
+            "cylinder": {"points": {"F": [0, 0]}, "mass": 0},
+            "rod": {
+                "points": {"E": [0, 0]},
+                "mass": 0,
+                "slides": {"on": "cylinder", "through": [0, 0], "along": [1, 0]},
+            },
+        },
+        "drive": {"body": "rod", "speed": 0.1, "start": start, "end": end},
+        "sketch": {"displacement": (start + end) / 2, "E": [0, 1]},
+        "output": {"point": "E"},
+    }
+    return loaded(tables, NAMES, NAMES)
+
+
+@pytest.mark.parametrize(("foot", "start", "end"), [(1.5, 1.5, 2.3), (1.2, 0.4, 0.9), (1.5, 0.8, 1.7), (1.1, 0.3, 2.0)])
+def test_a_length_that_passes_twice_half_or_once_the_bar_s(foot: float, start: float, end: float) -> None:
+    """By the law of cosines E is at x = (1 + foot^2 - length^2) / (2 foot) with its foot's origin at O."""
+    found = analytic.enclose(lifted(foot, start, end))
+    assert found.open_at is None
+    assert all(np.isfinite(row[2:]).all() for row in found.rows)
+    x = {row.extreme: row for row in found.rows if row.channel == "E.x"}
+    for extreme, length in (("most", start), ("least", end)):
+        true = (1 + foot**2 - length**2) / (2 * foot)
+        assert x[extreme].low - 1e-12 <= true <= x[extreme].high + 1e-12  # roundings of this line
+        assert x[extreme].high - x[extreme].low <= 1e-5
+
+
+def test_a_spring_without_a_free_length_whose_ends_meet() -> None:
+    """Of k d about O only k times the fixed end's arm turns: -12 (1.5 x 2) sin, at 0 of which both ends are at T."""
+    spring = {"between": ["ground.S", "crank.T"], "stiffness": 3, "length": 0}
+    changes = {"ground.points.S": [2, 0], "springs": [spring], "bodies.crank.com": [0, 0], "bodies.crank.inertia": 1}
+    found = analytic.enclose(scene_files.load("crank", changes))
+    assert all(np.isfinite(row[2:]).all() for row in found.rows)
+    torque = {row.extreme: row for row in found.rows if row.channel == "drive.torque"}
+    for extreme, true in (("least", -12.0), ("most", 12.0)):
+        assert torque[extreme].low <= true <= torque[extreme].high <= torque[extreme].low + 1e-4
