@@ -6,6 +6,7 @@ rate or an acceleration leaps over where two pieces meet lies on the edge of a b
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
+from copy import copy
 from functools import partial, reduce
 from itertools import zip_longest
 from typing import Any, TypeAlias
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from scenes import Scene
 from scenes.arguments import known_names
-from scenes.drive import ConstantSpeed, Driven
+from scenes.drive import ConstantSpeed, Drive, Driven
 from scenes.laws import Piece
 from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
 
@@ -28,6 +29,7 @@ from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
 from ..recorded.traced import Traced
 from ..solve import prepared
+from ..way.windings import attitudes
 from .branches import ROOM, Branches, branches
 
 FIRST = 64  # boxes of a range, before any is divided
@@ -52,9 +54,8 @@ class Boxes:
             off: by how much numbers of the scene may be off, SI, by path in the file.
         """
         self.scene, self.like, drive = scene, 3 + len(off), scene.drive
-        # Positions of the drive, rad or m, or instants, s, between which all is smooth but for what depends on bodies.
-        pieces = [] if isinstance(drive, ConstantSpeed) else [*(piece.begin for piece in drive.pieces), drive.cycle]
-        self.edges = np.array(pieces or drive.extent)
+        self.edges = cycle_edges(scene, 0, 1)
+        self.way = float(np.ptp(self.edges))  # of a cycle
         whole = decompose(scene)
         angles = [f"{group.P}.{TRANSMISSION}" for group in whole.groups if not isinstance(group, Group)]
         parts, channels = {**magnitudes(scene), TRANSMISSION: angles}, None
@@ -74,6 +75,8 @@ class Boxes:
         self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
         self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
         self.most = MOST // SLOWER if self.core.linkage.tracks else MOST
+        turning = [body for body in scene.turning if f"{body}.angle" in rows]
+        self.windings = {**self.core.windings, **attitudes(scene, self.core.linkage, turning)}
         self.numbers: dict[str, TaylorModel] = {}
         for path, number in scene.numbers.items():
             known = self.numbers[path] = point(number.value, self.like, LAST_PLACE * abs(number.value))
@@ -105,9 +108,15 @@ class Boxes:
             given |= {name: made[row] for row, name in enumerate(self.program.make.choices)}
         return self._over(self._line, low[own], high[own], given), own
 
+    def over(self, first: int, last: int) -> "Boxes":
+        """The same of the cycles from one number to another, the first being 0."""
+        others = copy(self)
+        others.edges = cycle_edges(self.scene, first, last)
+        return others
+
     def divided(self, count: int) -> tuple[Samples, Samples]:
-        """At least so many boxes of a cycle, none over two pieces of a law: their ends, shape (n,)."""
-        parts = np.ceil(count * np.diff(self.edges) / np.ptp(self.edges)).astype(int)
+        """At least so many boxes a cycle, none over two pieces of a law: their ends, shape (n,)."""
+        parts = np.ceil(count * np.diff(self.edges) / self.way).astype(int)
         pieces = zip(self.edges[:-1], self.edges[1:], parts, strict=True)
         ends = [np.linspace(low, high, n + 1) for low, high, n in pieces]
         return np.concatenate([own[:-1] for own in ends]), np.concatenate([own[1:] for own in ends])
@@ -160,9 +169,9 @@ class Boxes:
             given = {"position": way, "time": (way - self.numbers["drive.start"]) / self.numbers["drive.speed"]}
             at = Driven(middle, np.ones(()), np.zeros(()))
         else:
-            given = {**driven(drive.pieces, way, middle)._asdict(), "time": way}
+            given = {**driven(drive, way, middle)._asdict(), "time": way}
             at = drive.at(middle)
-        wound = {name: point(winding(at.position), self.like) for name, winding in self.core.windings.items()}
+        wound = {name: point(winding(at.position), self.like) for name, winding in self.windings.items()}
         return {**given, **self._guesses(at, low, high), **wound}
 
     def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
@@ -201,16 +210,38 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, own])), own
 
 
-def driven(pieces: Sequence[Piece], way: TaylorModel, middle: Samples) -> Any:
+def cycle_edges(scene: Scene, first: int, last: int) -> Samples:
+    """The ends of a drive's cycles from one number to another, and of a law's pieces, shape (n,), increasing.
+
+    They are positions of the drive, rad or m, or instants, s, between which all is smooth but for what depends on
+    bodies.
+    """
+    drive, cycles = scene.drive, np.arange(first, last + 1)
+    if isinstance(drive, ConstantSpeed):
+        return np.sort(drive.after(cycles))
+    begins = np.add.outer(drive.cycle * cycles[:-1], [piece.begin for piece in drive.pieces])
+    return np.append(begins, drive.cycle * last)
+
+
+def driven(drive: Drive, way: TaylorModel, middle: Samples) -> Any:
     """The position, rate and acceleration that a law asks for over boxes of instants, each within one of its pieces."""
-    own = np.searchsorted([piece.begin for piece in pieces], middle, side="right") - 1
+    pieces: Sequence[Piece] = drive.pieces  # type: ignore[union-attr]
+    cycles = np.floor(middle / drive.cycle) if drive.periodic else np.zeros(len(middle))
+    before = drive.cycle * cycles
+    own = np.searchsorted([piece.begin for piece in pieces], middle - before, side="right") - 1
 
     def each(values: Sequence[float], off: float = LAW) -> Any:
         known = np.array(values)[own]
         return point(known, len(way.c), off * np.abs(known))
 
     begin = each([piece.begin for piece in pieces], len(pieces) * LAST_PLACE)  # a sum of as many durations at most
+    begin = point(begin.c[0] + before, len(way.c), begin.rest + len(pieces) * LAST_PLACE * before)
     polynomial = [each(terms) for terms in zip_longest(*(piece.polynomial for piece in pieces), fillvalue=0.0)]
     several: Any = zip_longest(*(piece.sines for piece in pieces), fillvalue=(0.0, 0.0, 0.0))
     sines = [tuple(each(values) for values in zip(*each_one, strict=True)) for each_one in several]
-    return Piece(begin, polynomial, sines, each([piece.lag for piece in pieces], 0.0)).at(way)  # type: ignore[arg-type]
+    at: Any = Piece(begin, polynomial, sines, each([piece.lag for piece in pieces], 0.0)).at(way)  # type: ignore[arg-type]
+    if not cycles.any():
+        return at
+    first, last = drive.after([0, 1])
+    gained = point(cycles * (last - first), len(way.c), LAW * np.abs(cycles) * (abs(first) + abs(last)))
+    return at._replace(position=at.position + gained)

@@ -32,14 +32,17 @@ class Branches:
     def have(self, poses: TaylorModel, low: Samples, high: Samples) -> Any:
         """Whether other boxes, by their ends, have these poses in their middles, and all are known in them, (m,)."""
         middle = (low + high) / 2
+        slip = np.abs(middle)
         if self.periodic:
             turn = self.high[-1] - self.low[0]
             low, middle, high = (x - turn * np.floor((middle - self.low[0]) / turn) for x in (low, middle, high))
-        first, own = (np.searchsorted(self.low, x, "right") - 1 for x in (low, middle))
+        first, own = (np.maximum(np.searchsorted(self.low, x, "right") - 1, 0) for x in (low, middle))
         end = np.searchsorted(self.low, high)
         unknown = np.append(0, np.cumsum(np.isnan(self.poses.rest).any(axis=0)))
         half, off = ((self.high[own] + sign * self.low[own]) / 2 for sign in (-1, 1))
-        same = _same(self.poses[..., own], (middle - off) / half, poses, 0.0, 1.0, np.abs(middle) / half)
+        same = _same(
+            self.poses[..., own], (middle - off) / half, poses, 0.0, 1.0, np.maximum(slip, np.abs(middle)) / half
+        )
         return same & (unknown[end] == unknown[first])
 
 

@@ -9,18 +9,21 @@ through the line at once.
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from itertools import pairwise, product
+from numbers import Integral
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from scenes import Scene
 from scenes.arguments import finite_numbers, known_names, refuse, scene_of
+from scenes.drive import ConstantSpeed
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
 
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_most
 from .boxes import FIRST, Boxes, Numbers, cut
 from .branches import LEAST
+from .cycles import over_cycles
 
 AT_ONCE = 256  # boxes, which take about as long as a single one
 FEWEST, MOST = 4, 64  # parts of a box
@@ -37,8 +40,11 @@ def enclose(
     names: AbstractSet[str] | None = None,
     accuracy: float = 1e-6,
     off: Mapping[str, float] | None = None,
+    turns: int = 1,
 ) -> Enclosures:
-    """Prove what the extremes of channels and magnitudes are over all positions of a cycle, between samples too.
+    """Prove what the extremes of channels and magnitudes are over all positions of a run, between samples too.
+
+    Angles go on over whole turns, from -pi to pi at the drive's start.
 
     Args:
         scene: the mechanism.
@@ -46,17 +52,27 @@ def enclose(
         accuracy: how far the bounds may be apart, of what the channel changes by; as far as doubles can decide.
         off: by how much numbers of the scene may be off either way, SI, by path in the file: the extremes are then
             those of all machines within that, and the bounds are apart by what a linear model of the numbers leaves.
+        turns: cycles of the drive that the run has; more than one only of a drive that is periodic.
 
     Raises:
         Failure: as of `solver`.
-        InputError: no scene, no such name, or an accuracy that is no number above zero.
+        InputError: no scene, no such name, an accuracy that is no number above zero, or turns that are no whole number
+            that the drive makes.
     """
     numbers = scene_of(scene).numbers
     known_names("off", off or {}, numbers)
     finite_numbers("off", [*(off or {}).values()])
     if not finite_numbers("accuracy", accuracy) > 0:
         refuse("accuracy", "a number above zero", accuracy)
-    return _extremes(Boxes(scene, names, off or {}), accuracy)
+    if (
+        isinstance(turns, bool)
+        or not isinstance(turns, Integral)
+        or turns < 1
+        or (turns > 1 and not scene.drive.periodic)
+    ):
+        refuse("turns", "a whole number from 1" if scene.drive.periodic else "1 of a drive that runs once", turns)
+    boxes = Boxes(scene, names, off or {})
+    return over_cycles(boxes, turns, lambda some: _extremes(some, accuracy))
 
 
 def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = None) -> Mapping[str, Samples]:
@@ -77,7 +93,9 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     edges = finite_numbers("edges", edges)
     if edges.ndim != 1 or not (np.diff(edges) > 0).all() or not edges[1:].size:
         refuse("edges", "two places or more, increasing", edges)
-    boxes = Boxes(scene_of(scene), names, {})
+    boxes, drive = Boxes(scene_of(scene), names, {}), scene.drive
+    if drive.periodic and not isinstance(drive, ConstantSpeed):
+        boxes = boxes.over(int(edges[0] // drive.cycle), int(edges[-1] // drive.cycle) + 1)
     ends = np.union1d(edges, boxes.edges[(boxes.edges > edges[0]) & (boxes.edges < edges[-1])])
     models, own = boxes(ends[:-1], ends[1:])
     low, high = models.range

@@ -29,6 +29,7 @@ from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
 from ..core.rubbing_joints import FrictionBalance
+from ..way.windings import attitude
 from .expressions import Closing, Expression, Inputs, Recorder, forward
 from .traced import Traced, traced
 
@@ -103,6 +104,10 @@ def recorded(
             value = traced(make, take(k, on))
             parts = zip(names, (value.x, value.y), strict=False)
             expressions |= {name: part for name, part in parts if name in wanted}
+    for body in scene.turning if proven else ():
+        if f"{body}.angle" in expressions:
+            rough = Traced(make, make.input(attitude(body), sampled=True))
+            expressions[f"{body}.angle"] = traced(make, continued(rough, k.u[body])).x
     branches = ((f"the branch of {group.P}", group.branch) for group in every.groups if not isinstance(group, Group))
     # A branch is zero where the sketch leaves it open.
     drawn = {name: chosen(own * own > 0, 1.0, -1.0) for name, own in branches if isinstance(own, Traced)}
@@ -257,7 +262,11 @@ class BoundedBalance(RecordedBalance):
 
     def twisted(self, spring: TorsionSpring, place: str) -> Any:
         """The angle of a torsion spring, by what it is roughly; not known where that may be half a turn off."""
-        rough: Any = self.given[place]
-        turned: Any = self.k.u[spring.second] * self.k.u[spring.first].conjugate() * np.exp(-1j * rough)
-        angle: Any = np.arctan2(turned.imag, turned.real)
-        return rough + angle / chosen(np.abs(angle) < NEARLY_HALF, 1.0, 0.0)
+        return continued(self.given[place], self.k.u[spring.second] * self.k.u[spring.first].conjugate())
+
+
+def continued(rough: Any, u: Any) -> Any:
+    """The angle of a unit vector over whole turns, by what it is roughly; not known if that may be half a turn off."""
+    turned = u * np.exp(-1j * rough)
+    angle: Any = np.arctan2(turned.imag, turned.real)
+    return rough + angle / chosen(np.abs(angle) < NEARLY_HALF, 1.0, 0.0)

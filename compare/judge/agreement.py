@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
-from math import isfinite
+from math import ceil, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from .errors import ChannelError, worst_of
 from .floor import FLOOR_SAMPLES
 from .measure import Gate, Measurement, Miss, gates, missed
 from .peaks.peaks import Peak, peaks
-from .proof import MET, HeldLimit, asked, held
+from .proof import MET, HeldLimit, SampledRun, asked, held
 from .verdict import digits, sized, within
 
 CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # with a motion, but another one
@@ -40,6 +40,7 @@ FAILED = {
 }  # why there is nothing to compare
 CONTRADICTION = "contradicts itself"
 EQUAL = 1e-6  # of a cycle: instants are written at decimals
+CERTAIN = 1e-9  # relative: by so much at least a sample of the reference may be off its bounds
 
 
 class Word(StrEnum):
@@ -96,15 +97,31 @@ class Judgement:
         """The scene's tolerances, in the channels asked for."""
         return list(gates(self.scene, self.measurements, self.sampling.channels, self.reference.floor.doubt))
 
+    @property
+    def cycles(self) -> int:
+        """The cycles of the drive that the run has, or a result of another program."""
+        drive = self.scene.drive
+        ends = [m.asked.times(self.scene)[-1] for m in self.measurements if m.foreign and drive.periodic]
+        return max([self.sampling.turns, *(ceil(float(end) / drive.cycle - EQUAL) for end in ends)])
+
     @cached_property
     def proof(self) -> Enclosures:
-        """What is proven over the whole range of the drive, between the samples too, of what was asked for."""
-        return registry.enclosures(self.scene, asked(self.scene, self.sampling))
+        """What is proven over all cycles asked for, between the samples too, of what was asked for."""
+        return registry.enclosures(self.scene, asked(self.scene, self.sampling), turns=self.cycles)
 
     @cached_property
     def limits(self) -> list[HeldLimit]:
-        """The scene's limits, held against that."""
-        return list(held(self.scene, self.sampling, self.proof)) if self.scene.limits else []
+        """The scene's limits, held against that, and against the samples of the reference and of all that is ok."""
+        if not self.scene.limits:
+            return []
+        scale, there = self.reference.scale, (self.sampling.commanded(self.scene), self.sampling.times(self.scene))
+        floor = max([CERTAIN, *self.reference.floor.by_channel.values()])
+        runs = [SampledRun(_name(self), self.reference.at(*there), floor, scale)]
+        for m in self.measurements:
+            if m.run.status is Status.ok and m.run.engine != REFERENCE and m.run.motion and m.run.settings:
+                off = max(m.run.settings.promise, m.largest)  # which round-off may take beyond what is promised
+                runs.append(SampledRun(m.run.engine, m.run.motion, off, scale))
+        return list(held(self.scene, self.sampling, self.proof, runs))
 
     @property
     def ok(self) -> bool:

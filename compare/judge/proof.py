@@ -1,19 +1,21 @@
 """What is proven of a scene over its whole range, between the samples too, and the scene's limits held against that."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from math import inf, nan
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import inf, isfinite, nan, tau
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from scenes import Motion, Sampling, Scene
 from scenes.model.enclosures import Enclosure, Enclosures
-from scenes.model.motion import TRANSMISSION, magnitudes, quantity, unit_of
+from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity, unit_of
+from scenes.scene import LimitTable
 
-from ..mechanics.axis import axis
+from ..mechanics.axis import axis, cycle_name
 
 NARROW = 1e-3  # of the drive's range: what is called one place
 MET, MISSED, OPEN = "met", "missed", "not decided"
+FORCES = ("N", "N*m", "W")  # units of what may go on from cycle to cycle
 
 
 class HeldLimit(NamedTuple):
@@ -25,6 +27,25 @@ class HeldLimit(NamedTuple):
     text: str  # in one line
 
 
+class SampledRun(NamedTuple):
+    """A run that is ok, and how far it may be off."""
+
+    name: str
+    motion: Motion
+    promise: float  # relative
+    scale: Mapping[str, float]  # by channel, what errors are divided by
+
+    def of(self, scene: Scene, name: str) -> Samples:
+        """A channel or magnitude at its samples, shape (n,); none of them where it is not given."""
+        known = {*channels_of(scene, name, self.motion.samples)} <= self.motion.samples.keys()
+        return values_of(scene, name, self.motion) if known else np.empty(0)
+
+    def off(self, scene: Scene, name: str, value: float) -> float:
+        """How far a value of a channel or magnitude may be off, SI."""
+        sizes = [self.scale.get(channel, 1.0) for channel in channels_of(scene, name, self.motion.samples)]
+        return self.promise * max([abs(value), *sizes]) * len(sizes)
+
+
 def asked(scene: Scene, sampling: Sampling) -> frozenset[str] | None:
     """The channels asked for and the magnitudes that these make; None where all are."""
     if sampling.channels is None:
@@ -32,33 +53,100 @@ def asked(scene: Scene, sampling: Sampling) -> frozenset[str] | None:
     return sampling.channels.union(name for name, of in magnitudes(scene).items() if sampling.channels.issuperset(of))
 
 
-def held(scene: Scene, sampling: Sampling, proof: Enclosures) -> Iterator[HeldLimit]:
-    """Yield the scene's limits of what was asked for."""
+def held(scene: Scene, sampling: Sampling, proof: Enclosures, runs: Sequence[SampledRun] = ()) -> Iterator[HeldLimit]:
+    """Yield the scene's limits of what was asked for, held against what is proven, and against the samples of runs.
+
+    The first of the runs is the reference's. A limit is not met that a sample misses by more than its run may be off.
+    """
     known, wanted = {row[:2]: row for row in proof.rows}, asked(scene, sampling)
     for name, limits in scene.limits.items():
-        for extreme, limit, sign in (("least", limits.least, -1), ("most", limits.most, 1)):
-            if limit is None or not (wanted is None or name in wanted):
-                continue
-            row = known.get((name, extreme), Enclosure(name, extreme, -inf, inf, nan, nan))
-            inner, outer = sorted((sign * row.low, sign * row.high))
-            outcome = MET if outer <= sign * limit else MISSED if inner > sign * limit else OPEN
-            unit, size = unit_of(scene, name)
-            low, high = (f"{bound / size:.7g}" for bound in (row.low, row.high))
-            found = f"{low} {unit}" if low == high else f"between {low} and {high} {unit}"
-            where = f" {place(scene, row[4:])}" if row in proof.rows else ""
-            text = f"{name}: at {extreme} {limit / size:g} {unit} {outcome}: {found}{where}"
-            yield HeldLimit(limit, row, outcome, text)
+        if not (wanted is None or name in wanted):
+            continue
+        rows = [known.get((name, end), Enclosure(name, end, -inf, inf, nan, nan)) for end in ("least", "most")]
+        sampled, turn = [run.of(scene, name) for run in runs], 0.0
+        if quantity(name) == "angle":
+            first, last = rows[0].low, rows[1].high
+            if not isfinite(first + last) and sampled and sampled[0].size:
+                first, last = float(sampled[0].min()), float(sampled[0].max())
+            turn = tau * whole_turns(first, last, limits)
+            sampled = [values + tau * np.round(((first + last) / 2 + turn - values) / tau) for values in sampled]
+        part = _part(scene, proof) if UNITS[quantity(name)] in FORCES else ""
+        for row, limit, sign in zip(rows, (limits.least, limits.most), (-1, 1), strict=True):
+            if limit is not None:
+                moved = row._replace(low=row.low + turn, high=row.high + turn)
+                yield _held(scene, moved, limit, sign, [*zip(runs, sampled, strict=True)], part)
+
+
+def _held(
+    scene: Scene, row: Enclosure, limit: float, sign: int, runs: Sequence[tuple[SampledRun, Samples]], part: str
+) -> HeldLimit:
+    """One limit, of the most or with the sign -1 of the least; a proof of a `part` of the run can only miss it."""
+    (unit, size), (inner, outer) = unit_of(scene, row.channel), sorted((sign * row.low, sign * row.high))
+    outcome = MISSED if inner > sign * limit else MET if outer <= sign * limit and not part else OPEN
+    low, high = (f"{bound / size:.7g}" for bound in (row.low, row.high))
+    found = f"{low} {unit}" if low == high else f"between {low} and {high} {unit}"
+    if isfinite(row.position_low):
+        found += f" {place(scene, row[4:])}{part}"
+    for number, (run, values) in enumerate(runs):
+        if outcome == MISSED or not values.size:
+            break
+        worst = int((sign * values).argmax())
+        value, beyond = float(values[worst]), sign * (float(values[worst]) - limit)
+        if beyond > 0:
+            there = float(axis(scene).of(run.motion)[worst] / axis(scene).factor)
+            seen = f"{value / size:.7g} {unit} {place(scene, (there, there))} in the samples of {run.name}"
+            if beyond > run.off(scene, row.channel, value):
+                outcome, found = (OPEN, f"{found}, but {seen}") if number else (MISSED, seen)
+            else:
+                found += f", and within its promise {seen}" * (number > 0)
+    text = f"{row.channel}: at {row.extreme} {limit / size:g} {unit} {outcome}: {found}"
+    return HeldLimit(limit, row, outcome, text)
+
+
+def _part(scene: Scene, proof: Enclosures) -> str:
+    """Of how many cycles forces are known where these are not all of a run."""
+    whole = proof.cycles in (None, proof.turns)
+    return "" if whole else f" over the first {proof.cycles} of {proof.turns} {cycle_name(scene)}s"
+
+
+def whole_turns(first: float, last: float, limits: LimitTable) -> int:
+    """By how many turns an angle, from `first` to `last`, rad, is moved to be held against its limits.
+
+    They are those by which it violates the limits least. With a limit on one side alone that would be met by enough
+    turns: it is moved to where it is nearest to it, unless it is met where it is and never passes that direction.
+    An angle of a turn and more passes all directions: it stays, from -pi to pi at the drive's start.
+    """
+    given = [end for end in (limits.least, limits.most) if end is not None]
+    off = sum(given) / len(given) - (first + last) / 2
+    if not isfinite(off) or (len(given) == 1 and last - first >= tau):
+        return 0
+    turns = round(off / tau)
+    passed = len(given) == 1 and abs(off - tau * turns) < (last - first) / 2
+    violated = (limits.least is not None and first < limits.least) or (limits.most is not None and last > limits.most)
+    return turns if violated or passed else 0
 
 
 def met(scene: Scene, motion: Motion) -> Any:
     """Whether each of m machines meets all limits of the scene at its samples, shape (m,); the motion's are (m, n)."""
     within = np.ones(len(motion["time"]), np.bool_)
     for name, limit in scene.limits.items():
-        own = [motion[channel] for channel in channels_of(scene, name, motion.samples)] or [np.full((1, 1), nan)]
-        values = np.hypot(*own) if name in magnitudes(scene) else np.min(own, axis=0)
+        values = values_of(scene, name, motion)
+        if quantity(name) == "angle":
+            ends = zip(values.min(axis=-1).tolist(), values.max(axis=-1).tolist(), strict=True)
+            values = values + tau * np.array([[whole_turns(*each, limit)] for each in ends])
         within &= (limit.least is None) | (values >= (limit.least or 0.0)).all(axis=-1)
         within &= (limit.most is None) | (values <= (limit.most or 0.0)).all(axis=-1)
     return within
+
+
+def values_of(scene: Scene, name: str, motion: Motion) -> Samples:
+    """A channel or magnitude at a motion's samples, shape (..., n), or NaN; angles go on over whole turns."""
+    own = [motion[channel] for channel in channels_of(scene, name, motion.samples)]
+    if not own:
+        return np.full((*motion["time"].shape[:-1], 1), nan)
+    if quantity(name) == "angle":
+        return np.unwrap(own[0], axis=-1)
+    return np.asarray(np.hypot(*own) if name in magnitudes(scene) else np.min(own, axis=0))
 
 
 def channels_of(scene: Scene, name: str, known: Iterable[str]) -> Sequence[str]:

@@ -20,10 +20,16 @@ class Enclosure(NamedTuple):
 
 @dataclass(frozen=True)
 class Enclosures:
-    """What is proven over one cycle of the drive."""
+    """What is proven over the cycles of a run.
+
+    Where something goes on from cycle to cycle, as a table over the time, each cycle is looked at, up to a number of
+    them; what does not is the same in every cycle.
+    """
 
     rows: Sequence[Enclosure]  # none where the linkage is not shown to assemble all the way
     open_at: tuple[float, float] | None  # the first part of the range where that is not shown
+    cycles: int | None = None  # from the start, of which forces are known; None where each cycle is like the first
+    turns: int = 1  # cycles of the run
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,9 @@ Between the samples enclosures are known of channels, and of magnitudes:
 | `P/body.force` | the same for a third body at one point; and of a pin called `drive` where the drive has a force |
 | `transmission` | the least transmission angle of all dyads |
 
+Samples of an angle, and files of them, count modulo one turn; bounds and limits go on over whole turns, from more than
+-180 to 180 degrees at the drive's start.
+
 The drive stays where it is, and all other lengths as they are; lengths are those of links between their two pins. Of a
 dyad it is exact, of a larger group to 1e-5 of itself, near to a singular configuration and far from it alike. A guide
 that crosses another would have to be turned: `to_lock` is the sine of their angle times the linkage's longest

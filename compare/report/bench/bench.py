@@ -158,7 +158,8 @@ class Bench:
             channels = [*channels_of(self.scene, name, self.program["channels"])]
             if {*channels} <= {*self.program["channels"]}:
                 kind = "largest" if name in magnitudes(self.scene) else "least"
-                yield {"channels": channels, "kind": kind, "least": limit.least, "most": limit.most}
+                ends = {"least": limit.least, "most": limit.most}
+                yield {"channels": channels, "kind": kind, "turns": quantity(name) == "angle", **ends}
 
     @cached_property
     def asked(self) -> Sequence[Mapping[str, Any]]:

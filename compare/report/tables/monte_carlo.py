@@ -10,6 +10,7 @@ from scenes import numbers_in
 from ...engines.registry import REFERENCE
 from ...judge.peaks.numbers import AT_JOINTS
 from ...measure.many.study import MonteCarlo, Spread
+from ...mechanics.axis import cycle_name
 from ..numbers import DIGITS, Units, capital, percent, units, written
 from . import TableRows
 from .family import names
@@ -151,6 +152,7 @@ def verdicts(study: MonteCarlo) -> Iterator[str]:
     if study.scene.limits:
         count, low, high = study.met
         share = f"{100 * count / study.count:.4g} % of the machines ({count:,} of {study.count:,}) meet all limits"
+        share += f" over the first {cycle_name(study.scene)}" if study.judged.sampling.turns > 1 else ""
         yield f"Yield: {share}; with 95 % confidence {100 * low:.4g} to {100 * high:.4g} %."
     shown = moving(study)
     off = {s.name: abs(s.linear / s.deviation - 1) for s in shown}

@@ -9,7 +9,7 @@ from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
 
 from ...judge.agreement import Judgement
 from ...judge.proof import MET, place
-from ...mechanics.axis import turns_fully
+from ...mechanics.axis import cycle_name, turns_fully
 from ..numbers import units, written
 from . import TableRows
 
@@ -58,9 +58,11 @@ def _ends(row: Enclosure) -> tuple[float, float]:
 def sentences(study: Judgement) -> Iterator[str]:
     """Yield what is proven, or where it is not, how many limits of the scene are met, and those that are not."""
     scene, proof = study.scene, study.proof
-    lasting = any(load.table is not None and load.table.over != "displacement" for load in scene.loads)
-    cycle = "turn" if turns_fully(scene) else "range of the drive"
-    over = f"over the {'first' if lasting and scene.drive.periodic else 'whole'} {cycle}"
+    over = f"over the whole {'turn' if turns_fully(scene) else 'range of the drive'}"
+    if proof.cycles is not None:  # forces go on from cycle to cycle
+        cycle, count = cycle_name(scene), proof.turns
+        known = f"{proof.cycles} of {count} {cycle}s" if proof.cycles < count else f"{count} {cycle}s"
+        over = f"over the first {cycle if count == 1 else known}"
     if proof.open_at is not None:
         what = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
         yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}."

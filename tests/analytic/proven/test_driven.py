@@ -17,7 +17,7 @@ from sim_models.multiprecision.drive import law_of
 from .exact_values import BITS
 
 Law = MotionLaw | SegmentedLaw | HarmonicLaw
-INSTANTS = 12  # of a law
+INSTANTS, CYCLES = 12, 5  # of a law, and in the first of how many of its cycles they are
 HAIR = 4 * SAME_INSTANT  # of a cycle: so close to a boundary 50 digits take an instant as on it
 
 
@@ -80,10 +80,12 @@ def beyond(kind: str, seed: int) -> Iterator[float]:
     """Yield by how much of its rest each true value of a law leaves its enclosure, negative where it does not."""
     chance = np.random.default_rng(seed)
     law = DRAWN[kind](chance)
-    begins = [*(piece.begin for piece in law.pieces), law.cycle]
+    first = [*(piece.begin for piece in law.pieces), law.cycle]
     with ctx.workprec(BITS):
         exact = law_of(law)
         for piece in chance.integers(0, len(law.pieces), INSTANTS).tolist():
+            before = law.cycle * int(chance.integers(0, CYCLES)) if law.periodic else 0.0
+            begins = [before + begin for begin in first]
             inside = begins[piece] + chance.uniform(0, 1) * (begins[piece + 1] - begins[piece])
             cycles = Fraction(inside / law.cycle)
             command = exact(cycles)
@@ -98,7 +100,7 @@ def beyond(kind: str, seed: int) -> Iterator[float]:
             way = point([middle], 3)
             way.c[1] = max(high - middle, middle - low)
             s = (command.time - arb(middle)) / arb(float(way.c[1, 0]))
-            for model, true in zip(driven(law.pieces, way, np.array([middle])), command[1:], strict=True):
+            for model, true in zip(driven(law, way, np.array([middle])), command[1:], strict=True):
                 c, rest = model.c[:, 0].tolist(), float(model.rest[0])
                 apart = abs(true - (arb(c[0]) + arb(c[1]) * s + arb(c[2]) * s * s))
                 yield float((apart - arb(rest)) / arb(rest or 1.0))
