@@ -42,9 +42,6 @@ def _comma(text: str, error: Exception) -> str:
     return f"; a number's decimals come after a '.', as {comma[1]}.{comma[2]}" if comma else ""
 
 
-SUMMARY_BYTES = 100_000_000  # of a summary.json: one of a hundred bodies has a few megabytes
-
-
 def read_text(path: Path, most: int) -> str:
     """What a text file in UTF-8, of so many bytes at most, holds; else InputError, or FileNotFoundError of none."""
     try:

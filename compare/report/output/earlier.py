@@ -1,27 +1,64 @@
 """Earlier runs, by their `summary.json`: whatever lies there, since a user may have put anything in its place."""
 
+import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import tau
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    FailFast,
+    Field,
+    FiniteFloat,
+    ValidationError,
+)
 
 from scenes import InputError, Motion, Scene
 from scenes.errors import at_place, one_line, path_in_file
-from scenes.file.toml import SUMMARY_BYTES, read_text
+from scenes.file.toml import read_text
 from scenes.model.motion import Samples
 
 from ...mechanics.axis import axis, turns_fully
 
 MOTION_BYTES = 2**28  # of a motion's file, at most
+MAX_BYTES = 2**24  # of a summary.json: one of a hundred bodies has a few megabytes
+MAX_TABLES = 500_000  # lists and tables in it, each of which takes more memory than its text
+MAX_ENTRIES = 10_000  # of a table of engines, versions, units, or a list of changes
 WHOLE = 1e-9  # of a turn: what a whole one may lack
 
 OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
 Json: TypeAlias = dict[str, Any]
+T = TypeVar("T")
+
+
+def _few(entries: object) -> object:
+    if isinstance(entries, dict | list) and len(entries) > MAX_ENTRIES:
+        raise ValueError(f"expected {MAX_ENTRIES} entries at most")
+    return entries
+
+
+# An error for each of a million wrong entries takes more memory than the file has bytes; the first is enough.
+Table = Annotated[dict[OneLine, T], BeforeValidator(_few)]
+Rows = Annotated[list[T], FailFast()]
+FewRows = Annotated[list[T], BeforeValidator(_few)]
+
+
+class _Scene(BaseModel):
+    """What is used of a scene, where there is any of it."""
+
+    title: OneLine = ""
+    units: Table[tuple[str, Annotated[float, Field(gt=1e-30, lt=1e30)]]] = {}
+
+
+def _usable(scene: Json) -> Json:
+    _Scene.model_validate(scene)
+    return scene
 
 
 class _Engine(BaseModel):
@@ -49,7 +86,7 @@ class SummaryPeak(BaseModel):
     channel: OneLine = ""
     value: FiniteFloat
     unit: OneLine
-    differs: dict[OneLine, FiniteFloat | None]
+    differs: Table[FiniteFloat | None]
 
 
 class _Choice(BaseModel):
@@ -75,18 +112,18 @@ class Change:
 class Summary(BaseModel):
     """What is compared and listed of a `summary.json`."""
 
-    scene: Json
+    scene: Annotated[Json, AfterValidator(_usable)]
     sampling: Json
-    environment: dict[str, str]
-    engines: dict[OneLine, _Engine]
-    errors: list[SummaryError]
-    peaks: list[SummaryPeak]
-    cheapest: list[_Choice]
-    verdict: dict[str, OneLine]
+    environment: Table[str]
+    engines: Table[_Engine]
+    errors: Rows[SummaryError]
+    peaks: Rows[SummaryPeak]
+    cheapest: Rows[_Choice]
+    verdict: Table[OneLine]
     picture: str = ""
     complete: bool = True
-    since_baseline: list[Change] | None = None
-    since_last_run: list[Change] | None = None
+    since_baseline: FewRows[Change] | None = None
+    since_last_run: FewRows[Change] | None = None
 
 
 @dataclass(frozen=True)
@@ -132,12 +169,27 @@ def _file(path: Path, scene: Scene) -> Path:
     return path / scene.name / "summary.json" if path.is_dir() else path
 
 
-def summary_of(file: Path) -> Summary:
-    """What a file has, or InputError."""
+def json_of(file: Path) -> Any:
+    """What a JSON file holds that is not too large, or InputError."""
     try:
-        return Summary.model_validate_json(read_text(file, SUMMARY_BYTES))
+        text = read_text(file, MAX_BYTES)
+        if text.count("[") + text.count("{") > MAX_TABLES:
+            raise InputError(f"expected {MAX_TABLES} lists and tables at most, found more")
+        return json.loads(text)
     except FileNotFoundError:
         raise InputError("cannot be read (No such file or directory)") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"not valid JSON: {str(error) or type(error).__name__}") from None
+
+
+def summary_of(file: Path) -> Summary:
+    """What a file has, or InputError.
+
+    What was read is looked at in place: of JSON as text pydantic copies, for every field that lacks, what lacks it.
+    """
+    known = json_of(file)
+    try:
+        return Summary.model_validate(known)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = path_in_file((*first["loc"], ""))

@@ -1,7 +1,6 @@
 """The files of studies, families and Monte Carlo runs, and what becomes of those of a stopped run."""
 
 import csv
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scenes import InputError, Motion, Sampling, Scene, shipped
-from scenes.file.toml import SUMMARY_BYTES, read_text
+from scenes.file.toml import read_text
 from scenes.model.enclosures import Assemblies, Enclosure
 from scenes.model.motion import header
 from scenes.scene import SI
@@ -28,7 +27,7 @@ from ..pages.report import page, unsolved_page
 from ..plain import json_text
 from ..tables import TableRows
 from ..tables import study as tables
-from .earlier import Before
+from .earlier import Before, json_of
 from .placing import placed, remove, replace_file
 
 if TYPE_CHECKING:
@@ -41,6 +40,7 @@ REPORT = ("report.html", "summary.json", *TABLES)
 FAMILY = ("family.html", "family.json", "family.csv")
 MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
 ASSEMBLIES = ("assemblies.html", "assemblies.json")
+MAX_INDEX = 10**8  # bytes of an index.html, with a picture a report
 
 
 def write(
@@ -93,7 +93,7 @@ def write_index(folder: Path) -> str:
 
     index = folder / "index.html"
     try:
-        if index.exists() and f"<title>{TITLE}: cross-check</title>" not in read_text(index, SUMMARY_BYTES):
+        if index.exists() and f"<title>{TITLE}: cross-check</title>" not in read_text(index, MAX_INDEX):
             return f"{index} is left as it is: it is not of this program"
         replace_file(index, partial(index_page, folder))
     except (OSError, InputError) as error:
@@ -158,8 +158,8 @@ def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
 
 def _written(summary: Path) -> dict[str, Any]:
     """What an older summary has; nothing where there is none, or it is another program's."""
-    with suppress(InputError, OSError, ValueError, TypeError, RecursionError):
-        return dict(json.loads(read_text(summary, SUMMARY_BYTES)))
+    with suppress(InputError, OSError, TypeError, ValueError):
+        return dict(json_of(summary))
     return {}
 
 

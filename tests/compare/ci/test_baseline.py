@@ -213,7 +213,7 @@ def test_the_command_names_what_changed_and_stops_where_it_is_worse(
     assert f"Worse than the baseline: {text}" in file.with_name("report.html").read_text(encoding="utf-8")
 
 
-BROKEN = dict.fromkeys(("", "{", "[" * 100_000, "\ufeff"), "Invalid JSON")
+BROKEN = dict.fromkeys(("", "{", "[" * 100_000, "\ufeff"), "not valid JSON: ")
 BROKEN |= {"[]": "expected the summary.json of an earlier run", "{}": "scene. Field required"}
 
 
