@@ -4,13 +4,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
-from math import ceil
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from scenes import Failure, Sampling, Scene, Settings, Status
-from scenes.bodies import heights
+from scenes.bodies import CLOSED, heights
 from scenes.scene import GROUND, MotionLaw
 
 from ..engines import registry
@@ -24,6 +23,7 @@ from ..mechanics.scales import relative_errors
 from .agreement import Judgement
 from .foreign import assess_result, coarse
 from .measure import Measurement, escalated, measure
+from .plausibility import cycles_of, implausible
 from .verdict import doubted_core, judged
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an eng
 BEYOND = 0.01  # of a motion law's table: its spline may leave it by so much without a word
 FAR = 0.1  # of the largest length: shipped sketches are within 0.06 of it, a leg upside down is 0.28 and more off
 NEAR = 0.03  # of that length: a sketch whose points are all so near is nearest to the assembly that it picks
-PART = 1e-9  # of a cycle: by how much the period of a table may be longer, by rounding
 NARROW = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
 
 
@@ -52,7 +51,8 @@ def judgement(
     Results of other programs come after the engines; `progress` is called with what is being done.
     """
     scene, explained = reference.scene, explain(reference, sampling)
-    reasons = [*notes(scene), *point_masses(scene), *parts_of_cycles(scene, sampling), *warnings(reference)]
+    reasons = [*notes(scene), *point_masses(scene), *implausible(reference), *parts_of_cycles(scene, sampling)]
+    reasons += warnings(reference)
 
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:
@@ -115,20 +115,22 @@ def _agree(reference: Reference, one: Run, other: Run) -> bool:
 
 
 def notes(scene: Scene) -> Iterator[str]:
-    """Yield a sentence on a motion law that leaves its table, and on each plate that is nearly a bar."""
+    """Yield a sentence on a motion law that leaves its table, and on each plate or bar that is nearly the other."""
     law = scene.drive
     if isinstance(law, MotionLaw) and law.beyond > BEYOND:
         leaves = f"drives from {scene.between(law.extent)}, beyond its table's {scene.between(law.table)}"
         closer = "more rows where the motion changes keep it closer, 'segments' or 'harmonics' have no table to leave"
         yield f"the motion law's spline {leaves}: {closer}"
-    for name, body in scene.bodies.items():
-        if body.mass and body.com is None and len(body.corners) == 3:
-            for height in heights(body.corners, body.points, body.local, body.lengths):
-                if height <= NARROW:
-                    flat = f"a height of {100 * height:.2g} % of its longest side"
-                    plate = f"of three points nearly on one line ({flat}), is taken for a uniform triangular plate"
-                    instead = "give com and inertia, or put the points on the line"
-                    yield f"{name}, {plate}; a bar has up to twice the inertia: {instead}"
+    uniform = (body for body in scene.bodies.values() if body.mass and body.com is None and len(body.points) > 2)
+    for body in uniform:
+        height = max(heights(body.corners, body.points, body.local, body.lengths))
+        nearly = f"{body.name}, of points nearly on one line (a height of {100 * height:.2g} % of its longest side)"
+        if len(body.corners) == 2 and height > CLOSED:
+            taken = f"is taken for a uniform bar from {' to '.join(body.corners)}"
+            yield f"{nearly}, {taken}; a plate has down to half the inertia: give com and inertia where it is one"
+        elif len(body.corners) == 3 and height <= NARROW:
+            taken = "is taken for a uniform triangular plate; a bar has up to twice the inertia"
+            yield f"{nearly}, {taken}: give com and inertia, or put the points on the line"
 
 
 def point_masses(scene: Scene) -> Iterator[str]:
@@ -142,14 +144,9 @@ def point_masses(scene: Scene) -> Iterator[str]:
 
 def parts_of_cycles(scene: Scene, sampling: Sampling) -> Iterator[str]:
     """Yield a sentence on each periodic table of a load of which the cycles asked for show a part."""
-    drive, cycle = scene.drive, cycle_name(scene)
-    cycles = {"drive": abs(float(drive.after(1.0) - drive.after(0.0))), "time": drive.cycle}
+    cycle = cycle_name(scene)
     for number, load in enumerate(scene.loads):
-        table = load.table
-        if table is None or not (table.periodic and drive.periodic and cycles.get(table.over)):
-            continue
-        turns = ceil((table.arguments[-1] - table.arguments[0]) / cycles[table.over] - PART)
-        if turns > sampling.turns:
+        if (turns := cycles_of(scene, load)) > sampling.turns:
             shown = f"one {cycle} shows" if sampling.turns == 1 else f"{sampling.turns} {cycle}s show"
             yield f"the table of loads.{number} has a period of {turns} {cycle}s; {shown} a part, --turns {turns} all"
 

@@ -73,7 +73,8 @@ class CheckResult(Study):
         untimed = pd.DataFrame(tables.overview(self, timed=False))
         whole, _ = answers(self.scene, self.peaks, units(self.reference))
         designer = pd.DataFrame([answer.cells for answer in whole], columns=COLUMNS)
-        return _html(self.scene.title, str(self.agreement), [designer, untimed], self.missed, self.svg())
+        more = [*self.missed, *self.reasons]
+        return _html(self.scene.title, str(self.agreement), [designer, untimed], more, self.svg())
 
 
 class Varied(Family):
