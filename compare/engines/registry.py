@@ -6,7 +6,7 @@ from typing import Any, Protocol, TypeAlias, cast
 
 from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
-from scenes.model.enclosures import Assemblies, Enclosures, MotionRange
+from scenes.model.enclosures import Assemblies, Enclosures, MotionRange, SketchFit
 from scenes.model.engine import completed
 from scenes.model.motion import Request, Samples
 
@@ -117,6 +117,7 @@ in_closed_form: Callable[[Scene], bool] = _of_core("in_closed_form")
 page_program: Callable[[Scene, Samples, Samples], Mapping[str, Any] | None] = _of_core("page_program")
 many: Callable[[Scene, ByName, frozenset[str]], SolveMany] = _of_core("many_solver")
 derivatives: Callable[[Scene, Sequence[str], Samples, Samples, frozenset[str]], ByName] = _of_core("derivatives")
+sketch_fit: Callable[[Scene], SketchFit | None] = _of_core("sketch_fit")
 stopped: Callable[[Scene, tuple[float, str] | None], MotionRange | None] = _of_core("stopped")
 
 

@@ -18,6 +18,7 @@ from ..mechanics import axis as units
 from ..mechanics.reference import Floor, Reference, uncertified
 from ..mechanics.round_off import explain
 from .measure import Measurement, assess
+from .sketch import UnclearSketchError, check_sketch, other_assembly, rough, with_sketch
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
 DRIVE = Settings("").drive_promise
@@ -49,7 +50,8 @@ def solvable(scene: Scene) -> Iterator[None]:
     except InputError as error:
         raise UnsolvedError(str(error)) from None
     except Failure as failure:
-        raise UnsolvedError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}", failure) from None
+        place = "sketch" if isinstance(failure, UnclearSketchError) else "bodies"
+        raise UnsolvedError(f"{scene.file}: {place}: {failure.status.name}: {failure.reason}", failure) from None
     except Exception as error:  # a fault of the core's own, with which there is nothing to compare
         raise UnsolvedError(f"{scene.file}: the reference failed: {described(error)}") from error
 
@@ -68,15 +70,22 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     """What `establish` returns.
 
     Raises:
-        Failure: the reference cannot solve the scene.
+        Failure: the reference cannot solve the scene, or its sketch does not show one assembly.
         InputError: the output does not move.
     """
-    reference, sampling = uncertified(scene), Sampling(FLOOR_SAMPLES, channels=channels)
+    try:
+        reference = uncertified(scene)
+    except Failure as failure:
+        raise with_sketch(scene, failure) from None
+    check_sketch(reference)
+    sampling = Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
     own = reference.at(sampling.commanded(scene), sampling.times(scene))
     settings = registry.engine(registry.REFERENCE).DEFAULT
     both = Run(registry.REFERENCE, settings, Status.ok, motion=own), runs.run(registry.ORACLE, scene, sampling)
     core, oracle = (assess(reference, sampling, run, explained) for run in both)
+    if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and rough(reference):
+        raise other_assembly(reference, registry.ENTRIES[registry.ORACLE].distribution)
     doubt = _doubt(core, oracle)
     if oracle.comparison is None:
         return replace(reference, floor=Floor({}, f"not certified: {oracle.run.reason}", doubt))

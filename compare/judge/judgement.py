@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from scenes import Failure, Sampling, Scene, Settings, Status
+from scenes import Sampling, Scene, Settings, Status
 from scenes.bodies import CLOSED, heights
 from scenes.scene import GROUND, MotionLaw
 
@@ -24,6 +24,7 @@ from .agreement import Judgement
 from .foreign import assess_result, coarse
 from .measure import Measurement, escalated, measure
 from .plausibility import cycles_of, implausible
+from .sketch import rough, warnings
 from .verdict import doubted_core, judged
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
 
 BEYOND = 0.01  # of a motion law's table: its spline may leave it by so much without a word
-FAR = 0.1  # of the largest length: shipped sketches are within 0.06 of it, a leg upside down is 0.28 and more off
-NEAR = 0.03  # of that length: a sketch whose points are all so near is nearest to the assembly that it picks
 NARROW = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
 
 
@@ -81,6 +80,8 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     # Results of other programs have no vote: two may be copies of one.
     voters = [m for m in measurements if not m.foreign and m.run.engine not in (REFERENCE, ORACLE)]
     against = [m for m in voters if m.run.found_by == "reference"]
+    if rough(reference):  # which another assembly may be the sketch's fault
+        against = [m for m in against if m.run.status is not Status.wrong_branch]
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
     if not doubt:
         pairs = [
@@ -149,44 +150,3 @@ def parts_of_cycles(scene: Scene, sampling: Sampling) -> Iterator[str]:
         if (turns := cycles_of(scene, load)) > sampling.turns:
             shown = f"one {cycle} shows" if sampling.turns == 1 else f"{sampling.turns} {cycle}s show"
             yield f"the table of loads.{number} has a period of {turns} {cycle}s; {shown} a part, --turns {turns} all"
-
-
-def off_sketch(reference: Reference) -> dict[str, float]:
-    """How far each sketched point is from where the reference has it, m; none where it has no pose."""
-    sketch = reference.scene.sketch
-    try:
-        motion = reference.at(np.array([sketch.drive]), np.array([0.0]))
-    except Failure:
-        return {}
-    return {p: abs(complex(motion[f"{p}.x"][0] - x, motion[f"{p}.y"][0] - y)) for p, (x, y) in sketch.points.items()}
-
-
-def warnings(reference: Reference) -> Iterator[str]:
-    """Yield a sentence on points of the driven body that are far from their sketch; and on the others.
-
-    On these it is that the sketch is nearer to another assembly, or else that some are far from where it has them.
-    """
-    scene, size, off = reference.scene, reference.mechanics.size, off_sketch(reference)
-    far = {point: distance for point, distance in off.items() if not distance <= FAR * size}
-    driven = {point for point in far if scene.drive.body in scene.owners[point]}
-    position = "angle" if scene.driven_slide is None else "displacement"
-    nearer = _nearer(scene) if max(off.values(), default=0.0) > NEAR * size else ""
-    if nearer:
-        yield f"the sketch is nearer to another assembly, {nearer}: check on which side its points are drawn"
-    for points, what_follows in (
-        (driven, f"check that sketch.{position} is where the {scene.drive.body} is drawn"),
-        (far.keys() - driven, "it picks the assembly branch: check that they are drawn on the side meant"),
-    ):
-        if points and not (nearer and points != driven):
-            listed = ", ".join(f"{p} by {scene.length(far[p])}" for p in sorted(points, key=lambda p: -far[p]))
-            yield f"the sketch is far from where the lengths put its points: {listed}; {what_follows}"
-
-
-def _nearer(scene: Scene) -> str:
-    """How far an assembly is from the sketch that is nearer than the one that it picks; nothing where none is."""
-    every = registry.assemblies(scene, circuits=False).found
-    own = next((one for one in every if one.meant), None)
-    if own is None or own is every[0]:
-        return ""
-    away, picked = (scene.length(one.off_sketch) for one in (every[0], own))
-    return f"{away} from it, than to the one that it picks, {picked}; --assemblies draws all"

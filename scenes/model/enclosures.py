@@ -1,6 +1,6 @@
 """What a model proves: enclosures of extremes over the whole range of the drive, and all assemblies at a position."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -59,3 +59,11 @@ class Assemblies:
     position: float  # rad or m
     found: Sequence[Assembly]
     complete: bool  # whether it is proven that none is missed
+
+
+class SketchFit(NamedTuple):
+    """Where the drive is when the sketch fits a linkage best."""
+
+    position: float  # rad or m
+    there: Mapping[str, complex]  # where the linkage has each sketched point then, m
+    here: Mapping[str, complex]  # the same where the sketch has the drive; NaN of what does not assemble there

@@ -18,8 +18,8 @@ from ...engines.kept import environment
 from ...engines.registry import route, stopped
 from ...judge.agreement import Agreement, Word, worst_error
 from ...judge.floor import UnsolvedError
-from ...judge.judgement import off_sketch
 from ...judge.measure import Measurement
+from ...judge.sketch import off_sketch
 from ...mechanics.axis import axis
 from ...study import Study
 from ..linkage.still import sketched, small

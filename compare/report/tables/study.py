@@ -15,7 +15,7 @@ from scenes.scene import ConstantSpeed
 from ...engines import registry
 from ...judge.errors import by_group as grouped
 from ...judge.errors import shown_groups, worst_of
-from ...judge.judgement import off_sketch
+from ...judge.sketch import off_sketch
 from ...mechanics.axis import axis, cycle_name
 from ...mechanics.bodies import first_point, rule, weights
 from ...mechanics.reference import Floor

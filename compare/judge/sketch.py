@@ -1,0 +1,226 @@
+"""Whether the sketch shows one way of assembling the bodies where it has the drive: judged before any engine runs.
+
+Every model closes the linkage from the sketch by its own means. Where the sketch is rough all end in the assembly that
+is meant; where it is of another position of the drive, or has points on the wrong side, each may end in another one,
+and none of them is to blame. A sketch is at fault
+
+    where the bodies cannot be put together at its position of the drive,
+    where a body but the driven one is drawn turned by more than `MOST_TURNED` from where it is put together,
+    where it is nearer to another assembly than to the one on whose side its points are, or
+    where its points are as far apart as in another unit of length.
+
+Of 300 spoilt sketches of 12 linkages, of another angle or unit, with points swapped, mirrored or moved at random, an
+engine took another assembly or none from 60; these are all at fault, and 24 more. How far points are off does not tell:
+a crank that is drawn at another angle is harmless, and noted.
+"""
+
+from cmath import phase
+from collections.abc import Iterator, Mapping
+from itertools import chain
+from math import degrees, isnan, radians
+
+import numpy as np
+
+from scenes import Failure, Scene, Status
+from scenes.model.enclosures import Assembly, SketchFit
+
+from ..engines import registry
+from ..mechanics.bodies import distances
+from ..mechanics.mechanics import Mechanics
+from ..mechanics.reference import Reference
+
+NEAR = 0.03  # of the largest length: a sketch whose points are all so near is nearest to the assembly that it picks
+FAR = 0.1  # of that length: shipped sketches are within 0.06 of it, a leg upside down is 0.28 and more off
+EXACTLY = 1e-6  # of that length: less is not worth a number
+MOST_TURNED = radians(75)  # of those spoilt sketches, all that mislead an engine have a body turned by 81 deg and more
+MOST_BODIES = 13  # that are six dyads, or 64 assemblies
+SCALED = 5.0  # times as far apart as on their bodies, or a fifth: no drawing is so rough
+FAR_OFF = "the sketch is far from where the lengths put its points"
+
+Places = Mapping[str, complex]  # by point, m
+
+
+class UnclearSketchError(Failure):
+    """A failure that is the sketch's fault, whoever notices it."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(Status.cannot_assemble, reason)
+
+
+def check_sketch(reference: Reference) -> None:
+    """Raise UnclearSketchError where the sketch is at fault."""
+    scene, size = reference.scene, reference.mechanics.size
+    if why := _fault(scene, size, _posed(reference)):
+        raise UnclearSketchError(f"{why}{_what_fits(scene, size, registry.sketch_fit(scene))}")
+
+
+def other_assembly(reference: Reference, engine: str) -> UnclearSketchError:
+    """The fault of a rough sketch from which an engine, in itself right, has taken another assembly than the core."""
+    scene, size = reference.scene, reference.mechanics.size
+    taken = f"{engine} takes another assembly from the sketch than the core, {_given(scene)}"
+    fits = _what_fits(scene, size, registry.sketch_fit(scene))
+    return UnclearSketchError(f"{taken}: {_listed(scene, _off(scene, _posed(reference)), size)}{fits}")
+
+
+def with_sketch(scene: Scene, failure: Failure) -> Failure:
+    """A failure of the core on the drive's way or at the sketch, with the fault of the sketch that may be behind it."""
+    if failure.status is not Status.cannot_assemble:
+        return failure
+    size, fit = Mechanics(scene).size, registry.sketch_fit(scene)
+    places = fit.here if fit else _nearest(scene)
+    if fit is None:  # its sides pick what never closes
+        wrong = bool(_scaled(scene) or places)
+    elif any(isnan(abs(place)) for place in places.values()):
+        wrong = max(_off(scene, fit.there).values()) <= FAR * size
+    else:
+        wrong = max(_off(scene, places).values()) > FAR * size
+    if not wrong:
+        return failure
+    listed = f": {points}" if (points := _listed(scene, _off(scene, places), size)) else ""
+    fault = f"; {FAR_OFF}, {_given(scene)}{listed}{_what_fits(scene, size, fit)}"
+    return Failure(failure.status, f"{failure.reason}{fault}", at=failure.at)
+
+
+def off_sketch(reference: Reference) -> dict[str, float]:
+    """How far each sketched point is from where the reference has it, m; none where it has no pose."""
+    return _off(reference.scene, _posed(reference))
+
+
+def rough(reference: Reference) -> bool:
+    """Whether an engine that takes another assembly may have read the sketch as well as the core has."""
+    return not max(off_sketch(reference).values(), default=np.inf) <= NEAR * reference.mechanics.size
+
+
+def warnings(reference: Reference) -> Iterator[str]:
+    """Yield a sentence on points that are far from their sketch: of the driven body, on the others, or of all.
+
+    It is of all where the sketch is near at another position of the drive.
+    """
+    scene, size, off = reference.scene, reference.mechanics.size, off_sketch(reference)
+    far = {point: distance for point, distance in off.items() if not distance <= FAR * size}
+    driven, fits = {point for point in far if scene.drive.body in scene.owners[point]}, ""
+    if driven:
+        fit = registry.sketch_fit(scene)
+        fits = _what_fits(scene, size, fit)
+        driven = {*far} if fit and max(_off(scene, fit.there).values()) <= FAR * size else driven
+    for points, what_follows in (
+        (driven, f"check that sketch.{_key(scene)} is where the {scene.drive.body} is drawn{fits}"),
+        (far.keys() - driven, "it picks the assembly branch: check that they are drawn on the side meant"),
+    ):
+        if points:
+            yield f"{FAR_OFF}: {_listed(scene, {point: far[point] for point in points}, size)}; {what_follows}"
+
+
+def _posed(reference: Reference) -> Places:
+    """Where the reference has the sketched points where the sketch has the drive; nothing where it has no pose."""
+    sketch = reference.scene.sketch
+    try:
+        motion = reference.at(np.array([sketch.drive]), np.array([0.0]))
+    except Failure:
+        return {}
+    return {point: complex(motion[f"{point}.x"][0], motion[f"{point}.y"][0]) for point in sketch.points}
+
+
+def _off(scene: Scene, places: Places) -> dict[str, float]:
+    """How far sketched points are from places, m."""
+    return {point: abs(place - scene.drawn[point]) for point, place in places.items()}
+
+
+def _fault(scene: Scene, size: float, places: Places) -> str:
+    """Why the sketch is at fault, with what is off, by where the core has its points; or nothing."""
+    if not places:
+        fit = registry.sketch_fit(scene)
+        listed = _listed(scene, _off(scene, fit.here), size) if fit else ""
+        why = f"the bodies cannot be put together where the sketch has the drive, {_given(scene)}"
+        return f"{why}: {listed}" if listed else why
+    given, off = _given(scene), _off(scene, places)
+    listed = _listed(scene, off, size)
+    if _scaled(scene):
+        return f"{FAR_OFF}, {given}: {listed}"
+    turned, body = max(_turned(scene, places), default=(0.0, ""))
+    near = max(off.values(), default=0.0) <= NEAR * size
+    if near and turned <= MOST_TURNED:
+        return ""
+    every = _assemblies(scene)
+    if every and max(_off(scene, _of(scene, every[0])).values()) <= NEAR * size and not near:
+        return ""  # a clear one, of which the core has taken another assembly: no fault of the sketch
+    meant = next((one for one in every if one.meant), None)
+    if turned <= MOST_TURNED and (meant is None or meant is every[0]):
+        return ""
+    apart = f"it has {body} turned by {degrees(turned):.0f} deg"
+    if meant and (other := next((one for one in every if one is not meant), None)):
+        own, another = (scene.length(one.off_sketch) for one in (meant, other))
+        apart = f"it is {own} from the one on whose side its points are, {another} from another"
+    return f"the sketch decides between no two ways of assembling the bodies, {given}: {apart}; {listed}"
+
+
+def _turned(scene: Scene, places: Places) -> Iterator[tuple[float, str]]:
+    """Yield by how much each body but the driven one is drawn turned, rad, where points of it show that."""
+    for name, body in scene.bodies.items():
+        known = [point for point in body.points if point in scene.drawn]
+        if name in scene.turning and name != scene.drive.body and len(known) > 1:
+            drawn = np.array([scene.drawn[point] for point in known])
+            posed = np.array([places.get(point, scene.drawn[point]) for point in known])
+            yield abs(phase(np.vdot(posed - posed.mean(), drawn - drawn.mean()))), name
+
+
+def _assemblies(scene: Scene) -> list[Assembly]:
+    """All assemblies where the sketch has the drive, the nearest first; none where that is too much to look at."""
+    try:
+        return [*registry.assemblies(scene, circuits=False).found] if len(scene.bodies) <= MOST_BODIES else []
+    except Failure:
+        return []
+
+
+def _of(scene: Scene, assembly: Assembly) -> Places:
+    return {p: complex(assembly.motion[f"{p}.x"][0], assembly.motion[f"{p}.y"][0]) for p in scene.sketch.points}
+
+
+def _nearest(scene: Scene) -> Places:
+    """Where the nearest assembly has the sketched points; nothing where none is known."""
+    every = _assemblies(scene)
+    return _of(scene, every[0]) if every else {}
+
+
+def _key(scene: Scene) -> str:
+    return "angle" if scene.driven_slide is None else "displacement"
+
+
+def _given(scene: Scene) -> str:
+    """Where the sketch has the drive."""
+    absent = " (taken where it is absent)" if scene.driven_slide is None and scene.sketch.drive == 0 else ""
+    return f"sketch.{_key(scene)} = {scene.position(scene.sketch.drive)}{absent}"
+
+
+def _listed(scene: Scene, off: Mapping[str, float], size: float) -> str:
+    """Which points are off, the worst first; none of those that nothing places."""
+    known = sorted((point for point in off if not isnan(off[point])), key=lambda point: -off[point])
+    worst = [point for point in known if off[point] > NEAR * size] or known[:1]
+    return ", ".join(f"{point} by {scene.length(off[point])}" for point in worst)
+
+
+def _what_fits(scene: Scene, size: float, fit: SketchFit | None) -> str:
+    """Where the drive would be if the sketch were right, or that its points may be in another unit."""
+    if scale := _scaled(scene):
+        return f"; it is drawn {scale:.3g} times as large as the bodies, and read in {scene.units['length'][0]}"
+    if fit is None:
+        return "; with its points on that side the bodies close at no position of the drive"
+    there, off = scene.position(fit.position), _off(scene, fit.there)
+    worst = max(off, key=lambda point: off[point])
+    left = scene.length(off[worst])
+    if off[worst] > FAR * size:
+        return f"; it fits nowhere: best at {there}, with {worst} off by {left}"
+    within = f", with no point off by more than {left}" if off[worst] > EXACTLY * size else ""
+    return f"; it fits at {there}{within}"
+
+
+def _scaled(scene: Scene) -> float:
+    """How many times as far apart as on their bodies points are drawn, by the median, where it is not about once."""
+    drawn = scene.drawn
+    pairs = [
+        abs(drawn[p] - drawn[q]) / length
+        for (p, q), length in chain(*(distances(body).items() for body in scene.bodies.values()))
+        if p in drawn and q in drawn and not {p, q} <= {*scene.ground} and length > 0
+    ]
+    scale = float(np.median(pairs or [1.0]))
+    return scale if scale > SCALED or scale < 1 / SCALED else 0.0
