@@ -100,19 +100,24 @@ class Loads:
         """A bound on that of the map from loads to loads, no less than the spectral radius."""
         return reduce(np.maximum, (reduce(add, row) for row in self.gains))
 
+    def about(self, number: Any) -> Any:
+        """A number of which a method's steps are made: how near they come is asked of where they end."""
+        return number
+
     def solved(self) -> tuple[list[Any], Any]:
         """Return w of (1) by a few steps, and a number that is below one where they are near to its one solution."""
         slopes = [one.slope() for one in self.rubbing]
         w: list[Any] = [0.0 * x.real for x in self.X0]
         for _ in range(GUESSES):
             F, _ = self.open(w, slopes)
-            w = [x - dx for x, dx in zip(w, F, strict=True)]
+            w = [self.about(x - dx) for x, dx in zip(w, F, strict=True)]
         J: list[list[Any]] = []
         for step in range(STEPS):
             F, rows = self.open(w, slopes)
-            J = [*rows] if step < STEPS - 1 else J  # at last as before: it differs by that step's square
+            # At last as before: it differs by that step's square.
+            J = [[self.about(x) for x in row] for row in rows] if step < STEPS - 1 else J
             dw = eliminated(J, F)
-            w = [x - dx for x, dx in zip(w, dw, strict=True)]
+            w = [self.about(x - dx) for x, dx in zip(w, dw, strict=True)]
         bound = self.contraction
         for x, dx in zip(w, dw, strict=True):
             bound = chosen(np.abs(dx) <= CLOSE * np.abs(x), bound, np.inf)

@@ -28,6 +28,9 @@ SIGNS: Mapping[str, str] = {  # spelled alike wherever there are signs; the othe
 }
 
 
+BOUNDS = ("within", "middle")  # operations that an arithmetic of bounds alone has
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Expression:
     """An operation on others by the name of NumPy's function; or a number, an input by its name, and the like."""
@@ -88,7 +91,7 @@ class Recorder:
     def __call__(self, operation: str, *of: Expression) -> Expression:
         """Return an operation on expressions, in its simplest form."""
         known = [expression.of[0] if expression.operation == "constant" else None for expression in of]
-        if None not in known and operation != "within":
+        if None not in known and operation not in BOUNDS:
             return self.constant(getattr(np, operation)(*known))
         match operation, known:
             case ("add", [0.0, _]) | ("multiply", [1.0, _]):

@@ -227,6 +227,14 @@ class RecordedBalance(FrictionBalance):
         self.spread(group, [Traced(make, make.component(system, i)) for i in range(m)])
 
 
+class BoundedLoads(Loads):
+    """The frictions of a group and its loads, whose method's steps are made without bounds: it may end anywhere."""
+
+    def about(self, number: Any) -> Any:
+        """A polynomial near the number."""
+        return Traced(number.make, number.make("middle", number.x))
+
+
 class BoundedBalance(RecordedBalance):
     """Balances everything as expressions of which an arithmetic finds bounds; whole numbers in them are inputs."""
 
@@ -236,7 +244,7 @@ class BoundedBalance(RecordedBalance):
         The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
         contraction of that difference.
         """
-        w, _ = loads.solved()
+        w, _ = BoundedLoads(loads.rubbing, loads.X0, loads.S).solved()
         self.contracts(loads.contraction)
         slopes = [one.slope() for one in loads.rubbing]
         left = [np.abs(one) for one in loads.open(w, slopes)[0]]

@@ -244,6 +244,12 @@ def _where(condition: TaylorModel, yes: TaylorModel, no: TaylorModel) -> TaylorM
     return _either(low > 0.5, yes, _either(high < 0.5, no, either))
 
 
+def _middle(x: TaylorModel) -> TaylorModel:
+    """The polynomial without its rest, or zero where nothing is known: some number near x, of what need not be x."""
+    known = np.isfinite(x.rest) & np.isfinite(x.c).all(axis=0)
+    return TaylorModel(np.where(known, x.c, 0.0), np.zeros(x.rest.shape))
+
+
 RULES: Mapping[str, Callable[..., TaylorModel]] = {
     "add": TaylorModel.__add__,
     "subtract": TaylorModel.__sub__,
@@ -262,5 +268,6 @@ RULES: Mapping[str, Callable[..., TaylorModel]] = {
     "less": _less,
     "less_equal": _less_equal,
     "where": _where,
+    "middle": _middle,
     "within": lambda x, off: TaylorModel(x.c, (x.rest + off.most + off.rest) * UP),
 }

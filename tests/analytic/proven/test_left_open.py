@@ -1,12 +1,13 @@
 """Nothing is left open by the form of a number: equal forms, springs whose ends meet, joints without a load."""
 
+import tomllib
 from typing import Any
 
 import numpy as np
 import pytest
 
 import analytic
-from scenes import Scene
+from scenes import Sampling, Scene
 from tests import scene_files
 from tests.naming import loaded
 
@@ -57,3 +58,42 @@ def test_a_spring_without_a_free_length_whose_ends_meet() -> None:
     torque = {row.extreme: row for row in found.rows if row.channel == "drive.torque"}
     for extreme, true in (("least", -12.0), ("most", 12.0)):
         assert torque[extreme].low <= true <= torque[extreme].high <= torque[extreme].low + 1e-4
+
+
+DWELL = [
+    {"to": 180, "within": 0.5, "law": "cycloidal"},
+    {"within": 0.3},
+    {"to": 360, "within": 0.5, "law": "cycloidal"},
+]
+
+
+def rubbing(name: str, *, massless: bool = False, rests: bool = False) -> Scene:
+    """A shipped scene with friction, with links without a mass, or a drive that rests at two places."""
+    scene, tables = scene_files.load(name), tomllib.loads(scene_files.text(name))
+    for body in tables["bodies"].values() if massless else ():
+        body["mass"] = body["mass"] if "slides" in body else 0
+    if rests:
+        tables["drive"] = {"body": scene.drive.body, "start": 0, "periodic": True, "segments": DWELL}
+    same = ({name: name for name in names} for names in (scene.owners, scene.bodies))
+    return loaded(tables, *same)
+
+
+SCENES = {
+    "clamp": lambda: scene_files.load("double_toggle_clamp_friction"),
+    "massless": lambda: rubbing("crank_press_friction", massless=True),
+    "rests": lambda: rubbing("toggle_press_friction", rests=True),
+}
+
+
+@pytest.mark.parametrize("case", SCENES)
+def test_friction_that_contracts_is_enclosed(case: str) -> None:
+    """Joints without a load have no direction of it, and those at rest no sense: the loads themselves are known."""
+    scene, sampling = SCENES[case](), Sampling(720)
+    found = analytic.enclose(scene)
+    assert found.rows
+    assert all(np.isfinite(row[2:]).all() for row in found.rows)
+    motion = analytic.solve(scene, sampling.commanded(scene), sampling.times(scene))
+    for row in (row for row in found.rows if row.channel in motion and not row.channel.endswith("angle")):
+        values = motion[row.channel]
+        size = 1e-9 * np.abs(values).max() + 1e-200  # roundings of the samples; what underflows in the bounds
+        assert row.low - size <= values.min() if row.extreme == "least" else values.max() <= row.high + size, row
