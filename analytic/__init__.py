@@ -4,7 +4,8 @@ from .core.decomposition import in_closed_form, route
 from .proven.assemblies import assemblies
 from .proven.enclosures import departures, enclose
 from .recorded.derivatives import derivative_solver, derivatives
-from .recorded.many import Machines, fast_solver, many_solver, solve_many
+from .recorded.fast import fast_solver
+from .recorded.many import Machines, many_solver, solve_many
 from .recorded.page import page_program
 from .recorded.streams import Extremes, Grid, Histogram, Integral, reduce_many
 from .solve import solve, solver

@@ -49,6 +49,11 @@ def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple
         yield (f"{group.P}.to_lock",), partial(_to_lock, group)
 
 
+def of_larger(groups: Iterable[Dyad | Group]) -> frozenset[str]:
+    """The channels of larger groups' distances to a singular pose, which take many times as long as all others."""
+    return frozenset(f"{group.P}.to_lock" for group in groups if isinstance(group, Group))
+
+
 def asked(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None) -> tuple[Sampling, Linkage]:
     """A request of the channels, or InputError; and the decomposition with the groups that they need.
 

@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 from scenes import Failure, InputError, Motion, Request, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.drive import Driven
+from scenes.model.lookup import Later
 from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
 
-from .channels import FromBoth, all_channels, asked
+from .channels import FromBoth, all_channels, asked, of_larger
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
 from .core.elements import Given
 from .core.groups.continuation import misfit
@@ -51,7 +52,8 @@ def solve(
         channels: names of the channels to solve for, besides the time and the drive's position; None for all.
 
     Returns:
-        The channels, each of shape (n,), SI; where all are asked for, `transmission` and `to_lock` too.
+        The channels, each of shape (n,), SI; where all are asked for, `transmission` and `to_lock` too. The `to_lock`
+        of a larger group, which takes many times as long as all else, is found when it is first looked up.
 
     Raises:
         Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach.
@@ -106,12 +108,15 @@ class Solver:
         if samples is None:  # few positions, or the formulas tell where it does not reach
             samples = self._by_formulas(driven, time)
         samples |= {"time": time, self.scene.drive_channel: position}
-        return Motion({channel: samples[channel] for channel in (*self.known, *self.own)})
+        wanted = *self.known, *self.own
+        if not self.later:
+            return Motion({channel: samples[channel] for channel in wanted})
+        at = partial(self.motion_at or partial(kinematics, rates=False), self.scene, self.linkage)
+        every = samples | {channel: partial(_taken, take, at, driven) for channel, take in self.later.items()}
+        return Motion(Later({channel: every[channel] for channel in wanted}))
 
     def _by_line(self, driven: Driven, time: Samples) -> dict[str, Samples] | None:
-        """The channels by the recorded line; None where not all can be had from it."""
-        if self.recorded is None:
-            return None
+        """The channels by the recorded line; None where it does not reach, or not all can be had from it."""
         program, line = self.recorded
         rows = line({**self.given_at(driven.position, time), **inputs_at(driven, [self.linkage.tracks])})[:, 0]
         return dict(zip(program.channels, rows, strict=False)) if (rows[-1] >= 0).all() else None
@@ -122,12 +127,15 @@ class Solver:
         motion_at = self.motion_at or partial(kinematics, rates=rates)
         scene, linkage, position = self.scene, self.linkage, driven.position
         kinds = position.dtype, np.result_type(position.dtype, np.complex64)
-        rows = {names: np.empty(len(position), kinds[len(names) - 1]) for names in self.channels}
+        rows = {
+            names: np.empty(len(position), kinds[len(names) - 1])
+            for names in self.channels
+            if self.later.keys().isdisjoint(names)
+        }
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
 
             def at(rows: Any) -> tuple[Given, Kinematics]:
-                own = Driven(*(x[rows] if x.ndim else x for x in driven))
-                return self.given_at(position[rows], time[rows]), motion_at(scene, linkage, own)
+                return self.given_at(position[rows], time[rows]), motion_at(scene, linkage, _rows(driven, rows))
 
             for _, block in blocks(1, len(position)):
                 given, k = at(block)
@@ -137,8 +145,8 @@ class Solver:
                     balance = FrictionBalance(scene, linkage, given, k)
                     on = balance.solve()
                     balance.check(block.start, at)
-                for names, take in self.channels.items():
-                    rows[names][block] = take(k, on)
+                for names, row in rows.items():
+                    row[block] = self.channels[names](k, on)
         return {
             name: part for names, row in rows.items() for name, part in zip(names, (row.real, row.imag), strict=False)
         }
@@ -149,10 +157,10 @@ class Solver:
         return {**self.stroke_ends, **wound, "position": position, "time": time}
 
     @cached_property
-    def recorded(self) -> tuple[Program, Line] | None:
-        """The recorded formulas, and the line that has their channels and the reach; none where not all wanted are."""
+    def recorded(self) -> tuple[Program, Line]:
+        """The recorded formulas, and the line that has their channels and the reach."""
         program, line = self.at_hand or (recorded(self.scene, frozenset(), self.request.channels), None)
-        return None if program.own else (program, line or StraightLine(program.rows))
+        return program, line or StraightLine(program.rows)
 
     @cached_property
     def known(self) -> tuple[str, ...]:
@@ -170,9 +178,29 @@ class Solver:
         every, wanted = all_channels(self.scene, self.linkage.groups), self.request.channels
         return {names: take for names, take in every if wanted is None or not wanted.isdisjoint(names)}
 
+    @cached_property
+    def later(self) -> Mapping[str, FromBoth]:
+        """Those of the channels wanted that are found when they are first looked up, and what they are taken from."""
+        costly = of_larger(self.linkage.groups)
+        return {names[0]: take for names, take in self.channels.items() if not costly.isdisjoint(names)}
+
     def __getstate__(self) -> dict[str, Any]:
         """The fields alone: what follows from them has functions that no other process can be sent."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+@np.errstate(invalid="ignore", divide="ignore", over="ignore")
+def _taken(take: FromBoth, motion_at: Callable[[Driven], Kinematics], driven: Driven) -> Samples:
+    """A channel, shape (n,), that follows from the poses alone, block by block."""
+    row = np.empty_like(driven.position)
+    for _, block in blocks(1, len(row)):
+        row[block] = take(motion_at(_rows(driven, block)), Reactions())
+    return row
+
+
+def _rows(driven: Driven, rows: Any) -> Driven:
+    """What the drive asks for at some of the positions."""
+    return Driven(*(x[rows] if x.ndim else x for x in driven))
 
 
 def driven_at(scene: Scene, position: Samples, time: ArrayLike | None, most: int = 1) -> tuple[Samples, Driven]:

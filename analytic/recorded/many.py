@@ -1,7 +1,4 @@
-"""Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,).
-
-And one machine in many calls at few positions: by the same line, in machine code if possible.
-"""
+"""Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,)."""
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -16,6 +13,7 @@ from scenes import Failure, InputError, Motion, Scene, Status
 from scenes.arguments import finite_numbers, names
 from scenes.drive import Driven, Samples
 from scenes.file.changes import numbers_of, refused
+from scenes.model.lookup import Later
 
 from ..core.decomposition import decompose
 from ..core.groups.continuation import Track
@@ -25,12 +23,10 @@ from ..way.motion_range import in_line, motion_at
 from ..way.slider import furthest
 from ..way.windings import Winding
 from .arithmetics.in_numpy import StraightLine
-from .arithmetics.machine_code import COMPILES, MachineCode, operations
 from .branches import branches
 from .expressions import Line
 from .program import Program, inputs_at, recorded
 
-LARGEST = 1000  # operations, of which machine code is made in some 4 s; of twice as many in three times that
 TOGETHER = 64  # machines whose strokes' ends are sought together
 Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
 
@@ -76,7 +72,8 @@ def solve_many(
         channels: as of `solve`.
 
     Returns:
-        The channels, each of shape (m, n), and the status of each machine, with where and why it does not go.
+        The channels, each of shape (m, n), and the status of each machine, with where and why it does not go. Where
+        all channels are asked for, the `to_lock` of a larger group is found when it is first looked up.
 
     Raises:
         Failure: the linkage has bodies that are held twice over.
@@ -140,18 +137,32 @@ class ManySolver:
         for name, given in (("position", position), ("time", position if time is None else time)):
             if given.shape not in (shape[1:], shape):
                 raise InputError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
-        failed = dict(self.failed)
-        samples = self.block(slice(0, self.count), position, time, failed)
-        return Machines(samples, *told(failed, self.count))
+        failed, own = dict(self.failed), self.program.own
+        late = own if self.program.request.channels is None else frozenset[str]()
+        samples = self.block(slice(0, self.count), position, time, failed, own - late)
+        every = samples | {channel: partial(self._late, channel, position, time) for channel in late}
+        found = Later({channel: every[channel] for channel in self.program.names}) if late else samples
+        return Machines(found, *told(failed, self.count))
+
+    def _late(self, channel: str, position: Samples, time: Samples | None) -> Samples:
+        """One channel that is left to the core."""
+        return self.block(slice(0, self.count), position, time, dict(self.failed), frozenset([channel]))[channel]
 
     @np.errstate(all="ignore")  # a speed of zero, which is refused
     def block(
-        self, rows: slice, position: Samples, time: Samples | None, failed: dict[int, Ending]
+        self,
+        rows: slice,
+        position: Samples,
+        time: Samples | None,
+        failed: dict[int, Ending],
+        left: AbstractSet[str] | None = None,
     ) -> dict[str, Samples]:
         """The channels of some machines, in the order of the files; NaN where one is stopped, which `failed` takes in.
 
-        Their positions and instants have the shape (n,) or (rows, n).
+        Their positions and instants have the shape (n,) or (rows, n). Of those that are left to the core some may be
+        asked for; None for all.
         """
+        own = self.program.own if left is None else left
         numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
         shape = (rows.stop - rows.start, position.shape[-1])
         drive = {path: values for path, values in numbers.items() if path in ("drive.speed", "drive.start")}
@@ -164,19 +175,19 @@ class ManySolver:
         stopped = ~(filled[-1] >= 0)
         if stopped.any():
             filled[:, stopped] = np.nan
-        channels = {name: np.full(shape, np.nan) for name in self.program.own}
+        channels = {name: np.full(shape, np.nan) for name in own}
         channels |= zip(self.program.channels, filled, strict=False)
         fine = ~stopped.any(axis=1) & np.isfinite(filled.sum(axis=(0, 2)))
-        for row in range(shape[0]) if self.program.own else np.flatnonzero(~fine).tolist():
+        for row in range(shape[0]) if own else np.flatnonzero(~fine).tolist():
             if (machine := rows.start + row) not in self.failed:
                 at = position[row] if position.ndim == 2 else position
                 when = time[row] if time is not None and time.ndim == 2 else time
-                left = {name: channels[name][row] for name in (self.program.own if fine[row] else channels)}
-                if ending := self._alone(machine, at, when, left, followed=bool(fine[row])):
+                unknown = {name: channels[name][row] for name in (own if fine[row] else channels)}
+                if ending := self._alone(machine, at, when, unknown, followed=bool(fine[row])):
                     failed.setdefault(machine, ending)
         given = {"time": instants, self.scene.drive_channel: position}
         channels |= {name: np.broadcast_to(values, shape) for name, values in given.items()}
-        return {name: channels[name] for name in self.program.names}
+        return {name: channels[name] for name in self.program.names if name in channels}
 
     def _alone(
         self, machine: int, position: Samples, time: Samples | None, samples: Mapping[str, Samples], *, followed: bool
@@ -236,49 +247,3 @@ def _stroke_ends(many: Scene, program: Program, tracks: Sequence[Mapping[Group, 
         of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
         ends[place] = np.concatenate(of_parts)[:, np.newaxis]
     return ends
-
-
-def fast_solver(
-    scene: Scene, channels: AbstractSet[str] | None = None, *, compiled: bool | None = None
-) -> "FastSolver":
-    """Return `solver` for many calls at few positions, or for many machines: the core's formulas in a straight line.
-
-    Machine code, for which numba is needed, takes seconds to make, and is kept on disk for the topology.
-
-    Args:
-        scene: the mechanism.
-        channels: as of `solve`.
-        compiled: whether the line is machine code, or else NumPy calls; None for machine code where it is soon made.
-
-    Raises:
-        Failure: as of `solver`; `unsupported` for machine code of a group that is solved by Newton's method.
-        InputError: as of `solver`, or there is no numba for machine code.
-    """
-    core = solver(scene, channels)
-    if compiled and not COMPILES:
-        raise InputError("compiled: expected numba to be installed, as by the extra 'compiled'")
-    if compiled or (compiled is None and COMPILES):
-        # all numbers are open, so that the code is one for the topology
-        program = recorded(scene, scene.numbers.keys(), core.request.channels)
-        count = operations(program.rows)
-        if compiled and count is None:
-            raise Failure(Status.unsupported, "a group that is solved by Newton's method has no machine code")
-        if count is not None and (compiled or count <= LARGEST):
-            known = {path: number.value for path, number in scene.numbers.items()}
-            line = MachineCode(program.rows, {**known, **core.stroke_ends})
-            return FastSolver(**vars(core) | {"at_hand": (program, line)})
-    program = recorded(scene, frozenset(), core.request.channels)
-    return FastSolver(**vars(core) | {"at_hand": (program, StraightLine(program.rows))})
-
-
-class FastSolver(Solver):
-    """One topology, prepared for many calls, of many machines too."""
-
-    def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:
-        """Solve as `solve_many` does, with what it returns and raises."""
-        return self.many_solver(changes)(position, time)
-
-    def many_solver(self, changes: Mapping[str, ArrayLike]) -> ManySolver:
-        """Return `many` for many calls, with what it raises."""
-        all_open = self.at_hand is not None and isinstance(self.at_hand[1], MachineCode)
-        return many_solver(self.scene, changes, self.request.channels, self.at_hand if all_open else None)

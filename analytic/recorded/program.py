@@ -18,7 +18,7 @@ from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
 from scenes.scene import ConstantSpeed, Friction, PressForce, Spring, TorsionSpring
 
-from ..channels import all_channels, asked
+from ..channels import all_channels, asked, of_larger
 from ..core.decomposition import Linkage, decompose
 from ..core.elements import wound
 from ..core.friction import Loads, Rubbing
@@ -96,7 +96,7 @@ def recorded(
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
         on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve()
-    own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
+    own = of_larger(linkage.groups)
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):
         wanted = {name for name in names if channels is None or name in channels}
@@ -112,7 +112,7 @@ def recorded(
     # A branch is zero where the sketch leaves it open.
     drawn = {name: chosen(own * own > 0, 1.0, -1.0) for name, own in branches if isinstance(own, Traced)}
     conditions = {name: traced(make, one).x for name, one in (k.reach | drawn).items()}
-    left = frozenset(own if channels is None else own & channels)
+    left = own if channels is None else own & channels
     return Program(make, request, opened, linkage, way.closed, expressions, strokes, conditions, left)
 
 

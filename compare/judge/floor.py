@@ -82,7 +82,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     explained = explain(reference, sampling)
     own = reference.at(sampling.commanded(scene), sampling.times(scene))
     settings = registry.engine(registry.REFERENCE).DEFAULT
-    both = Run(registry.REFERENCE, settings, Status.ok, motion=own), runs.run(registry.ORACLE, scene, sampling)
+    both = Run(registry.REFERENCE, settings, Status.ok, motion=own.prompt), runs.run(registry.ORACLE, scene, sampling)
     core, oracle = (assess(reference, sampling, run, explained) for run in both)
     if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and rough(reference):
         raise other_assembly(reference, registry.ENTRIES[registry.ORACLE].distribution)

@@ -98,7 +98,7 @@ class Reference:
         changed = {channel: true[channel].copy() for channel in forces}
         for channel, samples in changed.items():
             samples[rows[better]] = best[channel][better]
-        return Motion({**true.samples, **changed})
+        return Motion({**true.prompt.samples, **changed})
 
 
 class Remembering:

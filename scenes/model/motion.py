@@ -52,6 +52,7 @@ from ..drive import ConstantSpeed
 from ..drive import Samples as Samples  # which most who read a motion name
 from ..errors import InputError, nearest
 from ..scene import Pin, Scene
+from .lookup import Later
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -148,6 +149,16 @@ class Motion:
     def __contains__(self, channel: str) -> bool:
         """Whether the channel was computed."""
         return channel in self.samples
+
+    @property
+    def late(self) -> frozenset[str]:
+        """The channels that are found when they are first looked up, since they take many times as long as others."""
+        return self.samples.late if isinstance(self.samples, Later) else frozenset()
+
+    @property
+    def prompt(self) -> "Motion":
+        """The motion without these."""
+        return Motion({c: self[c] for c in self.samples if c not in self.late}, self.unsupported)
 
     def to_frame(self) -> "DataFrame":
         """One row a sample and one column a channel, each under its name and unit as in the CSV files."""

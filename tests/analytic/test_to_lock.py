@@ -1,6 +1,7 @@
 """How near a group is to a lock: angles from positions alone, and lengths that are changed until it does lock."""
 
 from dataclasses import replace
+from pickle import dumps, loads
 from types import MappingProxyType
 from typing import Any
 
@@ -11,8 +12,11 @@ from numpy.typing import NDArray
 import analytic
 import scenes
 from analytic.core.decomposition import decompose
-from analytic.core.groups.group_equations import Group
-from scenes import Failure, Motion, Scene
+from analytic.core.groups.group_equations import FramePoses, Group, GroupEquations
+from analytic.way.nearest_length import to_lock
+from compare.judge.peaks.peaks import peaks
+from compare.mechanics.reference import uncertified
+from scenes import Failure, Motion, Sampling, Scene
 from tests import scene_files
 from tests.agreement import attitude, solve, where
 from tests.linkages import xy
@@ -176,3 +180,54 @@ def test_a_larger_group_is_as_far_from_its_lock_from_any_view() -> None:
     seen = analytic.solve(view.scene(scene), [view.angle(1.0)])["B.to_lock"]
     own = analytic.solve(scene, [1.0])["B.to_lock"]
     assert seen == pytest.approx(1000 * own, rel=1e-11)  # singular values near the largest, thousands, by roundings
+
+
+@pytest.fixture
+def asked_for(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """At how many poses the distances of larger groups are found, call after call."""
+    counts: list[int] = []
+
+    def counted(equations: GroupEquations, pose: FramePoses) -> NDArray[np.float64]:
+        counts.append(len(pose.z))
+        return to_lock(equations, pose)
+
+    monkeypatch.setattr("analytic.channels.to_lock", counted)
+    return counts
+
+
+def test_a_larger_group_is_measured_where_it_is_asked_for_and_once(asked_for: list[int]) -> None:
+    """All else, 95 % of which it would be, is there without."""
+    scene, angles = scenes.load("class_iii"), np.linspace(0, 6, 5)
+    motion, many = analytic.solve(scene, angles), analytic.solve_many(scene, {"drive.speed": [100, 120]}, angles)
+    assert "B.to_lock" in motion
+    assert motion["D.x"] is motion["D.x"]
+    assert many["D.x"].shape == (2, 5)
+    assert asked_for == []
+    assert motion["B.to_lock"] is motion["B.to_lock"]
+    assert asked_for == [5]
+    named = analytic.solve(scene, angles, channels={"B.to_lock"})["B.to_lock"]
+    assert (motion["B.to_lock"] == named).all()
+    assert many["B.to_lock"] == pytest.approx(np.array([named, named]), rel=1e-13)  # at any speed, but for roundings
+    assert asked_for == [5, 5, 5, 5]
+
+
+def test_what_is_not_looked_up_yet_goes_to_another_process(asked_for: list[int]) -> None:
+    scene, angles = scenes.load("class_iii"), np.linspace(0, 6, 3)
+    motion, many = analytic.solve(scene, angles), analytic.solve_many(scene, {"drive.speed": [100]}, angles)
+    for answer, sent in ((motion, loads(dumps(motion))), (many, loads(dumps(many)))):
+        assert list(sent.samples) == list(answer.samples)
+        assert (sent["B.to_lock"] == answer["B.to_lock"]).all()
+    assert set(asked_for) == {3}
+
+
+def test_a_larger_group_is_measured_once_a_run(asked_for: list[int]) -> None:
+    """A report draws 361 of its samples, and its least is found from these; the cycle itself has 3601."""
+    reference, sampling = uncertified(scenes.load("class_iii")), Sampling()
+    drawn = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+    assert len(drawn["B.to_lock"]) == 361
+    (lock,) = (peak for peak in peaks(reference, sampling, []) if peak.channel == "B.to_lock")
+    around = 200  # of 360: the least and its neighbours in 3600, and three rounds of three at each of 14 extremes
+    assert 361 <= sum(asked_for) <= 361 + around
+    fine = analytic.solve(reference.scene, lock.position + np.linspace(-1e-3, 1e-3, 5))["B.to_lock"]
+    assert lock.value == pytest.approx(fine[2], rel=1e-13)  # roundings
+    assert (fine >= lock.value * (1 - 1e-13)).all()

@@ -7,18 +7,19 @@ from math import nan
 
 import numpy as np
 
-from scenes import Motion, Request
+from scenes import Motion, Request, Sampling
 from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
 from ...engines.runner import ON_TIME
-from ...mechanics.reference import Reference
+from ...mechanics.reference import SCALE_SAMPLES, Reference
 from ..measure import Measurement
 from .curves import curves
 from .numbers import CycleNumber, numbers
-from .refined import refined
+from .refined import NEXT_TO_HIGHEST, refined
 
 NOTHING = 1e-6  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
+STRIDE = 10  # samples of the reference's cycle
 TURNS = 10  # of a run at most, evenly spread, in which engines are compared
 
 
@@ -48,15 +49,17 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
     """
     scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
     everything = wanted.issuperset(reference.mechanics.units)
-    known = Motion({c: v for c, v in reference.cycle.samples.items() if everything or c in wanted})
-    followed = curves(scene, reference.scale, known)
+    quantities = curves(scene, reference.scale, reference.cycle)
+    followed = [curve for curve in quantities if everything or wanted.issuperset(curve.channels)]
     if not followed:
         return []
 
     def solve(time: Samples) -> Motion:
         return reference.at(scene.drive.at(time).position, time)
 
-    motion = refined(scene, followed, reference.cycle, solve, partial(_switches, reference))
+    late = reference.cycle.late.intersection(channel for curve in followed for channel in curve.channels)
+    cycle = Motion({**reference.cycle.prompt.samples, **{channel: _lows(reference, channel) for channel in late}})
+    motion = refined(scene, followed, cycle, solve, partial(_switches, reference))
     over = reference.mechanics.axis.channel
     differences = {
         m.run.engine: _differences(reference, m.run.motion)
@@ -76,6 +79,24 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
         )
         for number in numbers(scene, followed, motion, exact=True)
     ]
+
+
+def _lows(reference: Reference, channel: str) -> Samples:
+    """A channel over the reference's cycle, true where it may be least, and else by straight lines between few samples.
+
+    Of a quantity that takes many times as long as all others every `STRIDE`-th sample is found, and then all of them on
+    either side of the lowest of these. A dip narrower than two strides may be missed.
+    """
+    cycle, scene = reference.cycle, reference.scene
+    few = Sampling(SCALE_SAMPLES // STRIDE)
+    low = reference.at(few.commanded(scene), few.times(scene))[channel]
+    values = np.interp(np.arange(SCALE_SAMPLES + 1), np.arange(0, SCALE_SAMPLES + 1, STRIDE), low)
+    bottom = (low <= np.append(np.inf, low[:-1])) & (low <= np.append(low[1:], np.inf))
+    lowest = np.flatnonzero(bottom & (low <= low.min() + NEXT_TO_HIGHEST * np.ptp(low)))
+    around = STRIDE * lowest[:, np.newaxis] + np.arange(-STRIDE, STRIDE + 1)
+    near = np.unique(np.clip(around, 0, SCALE_SAMPLES))
+    values[near] = reference.at(cycle[scene.drive_channel][near], cycle["time"][near])[channel]
+    return values
 
 
 def _switches(reference: Reference, motion: Motion, step: Samples) -> Samples:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Sampling, Settings, Status
+from scenes.model.motion import channels as known_channels
 
 from ...engines.processes.stopping import Progress, kept
 from ...engines.registry import REFERENCE, settings_of, tiers
@@ -63,7 +64,8 @@ def speed_table(
     decide which is the cheapest for some error; those that failed, and slow ones that decide nothing or take longer
     than the budget has for one, keep the times of their error run. A stop leaves what is done.
     """
-    sampling = replace(SAMPLING, channels=channels)
+    # by name: the core has others of its own, which no engine is held against
+    sampling = replace(SAMPLING, channels=channels or frozenset(known_channels(reference.scene)))
     at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling), runs=runs)
     points = list(kept(chain.from_iterable(_error_runs(at, engine, budget, progress) for engine in engines)))
     able = [place for place, (run, _) in enumerate(points) if run.status is Status.ok and run.seconds <= budget.point_s]

@@ -152,6 +152,8 @@ def over_angle(study: Study, panel: Panel, before: Motion | None = None) -> Figu
 
 def assur_groups(study: Study) -> Figure | None:
     """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
+    if study.sampling.channels is not None:
+        return None
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = units(study.reference)["m"]
     factors = {"transmission": 180 / np.pi, "to_lock": per_metre}
@@ -160,7 +162,7 @@ def assur_groups(study: Study) -> Figure | None:
         for measured, factor in factors.items()
     }  # values by joint
     rows = {measured: curves for measured, curves in rows.items() if curves}
-    if not rows or study.sampling.channels is not None:
+    if not rows:
         return None
     joints = list(dict.fromkeys(joint for curves in rows.values() for joint in curves))
     figure = stacked(*[1.0] * len(rows))
