@@ -183,7 +183,11 @@ class SlideTable(FileTable):
 
 
 class BodyTable(FileTable):
-    """A rigid body: its points in its own frame, or its lengths."""
+    """A rigid body: its points in its own frame, or its lengths.
+
+    With a mass alone it is uniform: a point mass, a bar, or a plate of three points. Points on one line are a bar, to a
+    height of 1e-3 of the longest side.
+    """
 
     points: Annotated[dict[Name, Place], Field(min_length=1)] | None = Field(
         None,
@@ -198,7 +202,7 @@ class BodyTable(FileTable):
     mass: Mass | None = Field(None, description="Its mass; without any in the file there are no forces.")
     com: Place | None = Field(
         None,
-        description="Its centre of mass, own frame; not of a point, a uniform bar (points on one line too) or plate.",
+        description="Its centre of mass, own frame; not of a point, a uniform bar or plate.",
     )
     inertia: Inertia | None = Field(None, description="Its moment of inertia about the centre of mass.")
     outline: Annotated[tuple[Place, ...], Strict(False), Field(min_length=3, max_length=CORNERS)] | None = Field(

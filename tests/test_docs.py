@@ -10,8 +10,11 @@ from typing import Any
 
 import pytest
 
+import scenes
 from benchmarks.publishing.reference import PAGE, page
 from compare.run import main
+from scenes.elements import PLAIN_KINDS
+from tests import scene_files
 from tests.comparisons import SLOW
 
 ROOT = Path(__file__).parents[1]
@@ -58,3 +61,27 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     assert "<math" in theory
     assert "arithmatex" not in theory
     assert (tmp_path / "published" / "first_screen.svg").exists()
+
+
+def test_the_friction_of_the_tutorial_is_a_toggle_press(tmp_path: Path) -> None:
+    tutorial = (ROOT / "docs" / "tutorial.md").read_text("utf-8")
+    (block,) = re.findall(r"^```toml\n(\[\[friction\]\]\n.*?)^```$", tutorial, re.MULTILINE | re.DOTALL)
+    file = tmp_path / "rubbing.toml"
+    file.write_text(scene_files.text("toggle_press").replace("[sketch]", f"{block}\n[sketch]", 1), encoding="utf-8")
+    assert [one.channel(scene) for scene in (scenes.load(file),) for one in scene.friction] == [
+        "P3.friction_moment",
+        "slider.friction_force",
+    ]
+
+
+def test_the_optional_engines_solve_what_the_page_promises() -> None:
+    """Of each shipped scene the published table has a row of each engine that is ok, or the engine does not know it."""
+    table = (ROOT / "results" / "published" / "formulations.md").read_text("utf-8").partition("## Speed")[0]
+    rows = {(engine, scene) for engine, scene in re.findall(r"^\| (\w+) +\| (\w+) +\| ok ", table, re.MULTILINE)}
+    known = [name for name in scenes.shipped() if scenes.load(name).kinds <= PLAIN_KINDS]
+    assert rows == {(engine, name) for engine in ("casadi", "mujoco", "pinocchio") for name in known}
+
+
+def test_every_shipped_scene_is_on_the_page_of_scenes() -> None:
+    page = (ROOT / "docs" / "scenes.md").read_text("utf-8").partition("`scenes/library/hard/`")[0]
+    assert {*scenes.shipped()} == {*re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)))}

@@ -83,7 +83,12 @@ NEEDED = {  # what the sizes of joints are for
 
 
 class FrictionTable(FileTable):
-    """Friction at a pin, or in a guide."""
+    """Friction at a pin, or in a guide.
+
+    A pin resists by r mu / sqrt(1 + mu^2) |R|, so that the line of its force R touches the friction circle; other
+    programs often take mu r |R|, which is 0.5 % more at mu = 0.1, 2 % at 0.2, 4.4 % at 0.3. A guide resists by
+    mu max(|N|, 2 |M| / length), of its normal force N and its moment M about the slider's first point.
+    """
 
     at: Known | None = Field(None, description="The pin.")
     body: Known | None = Field(None, description="Where three bodies meet at the pin, the later one of the two.")

@@ -133,7 +133,8 @@ class LoadTable(FileTable):
     moment: NewtonMetres | None = Field(None, description="Instead of `force`: a moment, counter-clockwise positive.")
     table: Annotated[list[Pair], Field(min_length=2, max_length=limits.ROWS)] | None = Field(
         None,
-        description="Instead: [argument, value], a force along the body's guide or `along`, or without `at` a moment.",
+        description="Instead: [argument, value], a force along `along`, or along the guide of a body that slides; of"
+        " another body, without `at`, a moment.",
     )
     over: Over | None = Field(
         None, description="What the table's arguments are: `drive`, `time`, or the slider's `displacement`."
