@@ -15,19 +15,20 @@ from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND, Body
 
 from ..mechanics.bodies import distances
-from ..mechanics.elements import Push, applied, drive_power, inertial, of_joints, power_of
-from ..mechanics.friction import unresting
-from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
+from ..mechanics.elements import Push, applied, drive_power, inertial, magnitudes, of_joints, power_of
+from ..mechanics.friction import newtons, unresting
+from ..mechanics.mechanics import EPS, SHOWN_GROUPS, Mechanics
 from ..mechanics.motion_vectors import Acts, MotionVectors
 from ..mechanics.projection import projected
 from ..mechanics.reference import Acting, fitted
-from ..mechanics.round_off import EPS
 from ..mechanics.scales import NOTHING, force_scales, off_origin, relative_errors, scales, sizes
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
 
 KINDS = {"drive": 0, "position": 0, "velocity": 1, "acceleration": 2, "reaction": 3, "torque": 3, "force": 3}
 POWERS = (1, 2, 2, 2)  # of the condition in what rounding changes; rates and forces are solved for in rounded poses
+FORCES = 3  # the kind of forces
+FINEST = 1e-12  # the least promise of any setting
 ROUNDINGS = 4  # of a difference of two places and of its length
 RELATIVE = "larger of its scale and magnitude"
 POWER = ("power", "mechanism", "largest force times the largest speed")
@@ -58,13 +59,15 @@ def checks(
     mechanics: Mechanics,
     motion: Motion,
     travel: Mapping[str, float],
+    promise: float = FINEST,
     may: Sequence[Acts] | None = None,
     ends: Sequence[float] | None = None,
 ) -> list[Check]:
     """Every check that the motion has the channels for.
 
-    `travel` is that of each moving point, m, see `travels`; `may`, by sample, whether each press force may act, and
-    `ends` where their strokes end, m: None where the motion itself shows it, which is then of a whole cycle.
+    `travel` is that of each moving point, m, see `travels`; `promise` what the motion is held to, below which no error
+    needs an explanation; `may`, by sample, whether each press force may act, and `ends` where their strokes end, m:
+    None where the motion itself shows it, which is then of a whole cycle.
     """
     scene, state, places = mechanics.scene, MotionVectors(mechanics.scene, motion), mechanics.axis.of(motion)
     asked = "radian" if scene.driven_slide is None else "travel"
@@ -73,7 +76,7 @@ def checks(
         if motion.samples.keys() >= closed_by(scene, body):
             violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
     if motion.samples.keys() >= {*kinematic_channels(scene)}:
-        estimated = estimate(mechanics, motion, travel, ends)
+        estimated = estimate(mechanics, motion, travel, promise, ends)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         for group in SHOWN_GROUPS:  # its channel that is furthest off; one that is not a number is further than all
             own = {c: error.max() for c, error in estimated.errors.items() if mechanics.groups[c] == group}
@@ -100,7 +103,8 @@ def _drive(mechanics: Mechanics, motion: Motion) -> Samples:
     """How far the drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
     asked = mechanics.scene.drive.at(motion["time"]).position
     way: Samples = np.maximum(mechanics.way, np.abs(asked - asked[:1]))
-    return np.abs(motion[mechanics.scene.drive_channel] - asked) / way
+    rounding = ROUNDINGS * EPS * np.hypot(asked, 0.0)  # much of the travel of a slider far from where it is measured
+    return np.maximum(np.abs(motion[mechanics.scene.drive_channel] - asked) - rounding, 0.0) / way
 
 
 def closed_by(scene: Scene, body: Body) -> set[str]:
@@ -136,29 +140,56 @@ def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mappin
 
 @np.errstate(all="ignore")  # what is not finite is so in the result
 def estimate(
-    mechanics: Mechanics, motion: Motion, travel: Mapping[str, float], ends: Sequence[float] | None = None
+    mechanics: Mechanics,
+    motion: Motion,
+    travel: Mapping[str, float],
+    promise: float = FINEST,
+    ends: Sequence[float] | None = None,
 ) -> Estimate:
     """How far a motion is from its projection onto the constraints: its errors, without a reference.
 
     Its kinematic channels are complete; arguments are those of `checks`. On the switch of a press force all channels
-    count on the side where they fit best.
+    count on the side where they fit best. What doubles leave is no error: of the largest value of its kind, and where
+    more than the promise is left, of the projection when all numbers are off by their last places.
     """
     turns = np.ones_like(motion["time"])
     if mechanics.scene.driven_slide is None:  # how often a crank has turned: its angle is rounded by as much more
         turns = np.maximum(np.abs(motion[mechanics.scene.drive_channel]) / (2 * np.pi), 1)
-    closed, fitting, branch, condition = projected(mechanics, motion, ends)
+    projection = projected(mechanics, motion, ends)
+    closed, condition = projection.closed, projection.condition
     scale, far = scales(mechanics, closed, travel), off_origin(mechanics, motion)
     eps = [EPS * turns, *[EPS * np.maximum(turns, far)] * (len(POWERS) - 1)]  # places themselves are as large as far
-    true = Motion({**closed.samples, **fitting})
-    errors, units = unresting(mechanics, closed, relative_errors(motion, true, scale)), {**scale, **mechanics.newtons}
+    true = Motion({**closed.samples, **projection.forces})
+    errors = unresting(mechanics, closed, relative_errors(motion, true, scale))
+    state = MotionVectors(mechanics.scene, closed)
+    units: dict[str, Samples | float] = {**scale, **mechanics.newtons, **newtons(mechanics, state)}
+    loads = [*magnitudes(state, mechanics.size).values()] if mechanics.forces else []
     for kind, power in enumerate(POWERS):  # rounding is by the largest value of a kind, in units that make them alike
         own = [channel for channel in errors if KINDS[mechanics.groups[channel]] == kind]
-        values = (np.abs(true[channel]) / units[channel] for channel in own)
+        values = [np.abs(true[channel]) / units[channel] for channel in own if channel not in mechanics.friction]
+        values += loads if kind == FORCES else []  # what joints carry, and what they leave that cancels in them
         rounding = eps[kind] * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
         for channel in own:
             explained = rounding * (units[channel] / sizes(true, channel, scale[channel]))
             errors[channel] = np.where((errors[channel] <= explained) | np.isinf(condition), 0.0, errors[channel])
-    return Estimate(errors, branch, EPS * condition * far, closed)
+    if any(not error.max() <= promise for error in errors.values()):
+        moved = _rounded(mechanics, motion, true, scale, ends)
+        errors = {channel: np.where(error <= moved[channel], 0.0, error) for channel, error in errors.items()}
+    return Estimate(errors, projection.branch, EPS * condition * far, closed)
+
+
+def _rounded(
+    mechanics: Mechanics, motion: Motion, true: Motion, scale: Mapping[str, float], ends: Sequence[float] | None
+) -> dict[str, Samples]:
+    """By how much the projection of a motion moves when numbers and drive are a few last places off, shape (n,)."""
+    moved: dict[str, Samples] = {}
+    for other, (position, time) in zip(mechanics.perturbed, mechanics.rounded_drive(motion), strict=True):
+        at = Motion({**motion.samples, mechanics.scene.drive_channel: position, "time": time})
+        projection = projected(other, at, ends)
+        beside = Motion({**projection.closed.samples, **projection.forces})
+        for channel, error in relative_errors(beside, true, scale).items():
+            moved[channel] = np.fmax(moved.get(channel, 0.0), error)
+    return moved
 
 
 def _balances(
@@ -166,7 +197,7 @@ def _balances(
 ) -> Violations:
     """What forces and power leave over above rounding; on a press force's switch, on the side where it is less."""
     least: Violations = {}
-    newtons = {c: float(np.abs(state.motion[c]).max()) for c in mechanics.forces if mechanics.units[c] == "N"}
+    peaks_of_joints = {c: float(np.abs(state.motion[c]).max()) for c in mechanics.forces if mechanics.units[c] == "N"}
     fastest = max((float(np.abs(state.point(p)[1]).max()) for p in mechanics.scene.moving_points), default=0.0)
     drive, joints, inertia = drive_power(state), [*of_joints(state)], [*inertial(state)]
 
@@ -183,7 +214,7 @@ def _balances(
         nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
         own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
         scale = force_scales(mechanics, state.motion, travel, own)
-        natural = max(force_scales(mechanics, state.motion, travel, newtons).values(), default=0.0) * fastest
+        natural = max(force_scales(mechanics, state.motion, travel, peaks_of_joints).values(), default=0.0) * fastest
         explained = estimated.rounding * max(scale.values())
         for (check, name, relative_to), off in left.items():
             arm = 1.0 if check == "Newton" else mechanics.size

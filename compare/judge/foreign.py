@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from scenes import Failure, Instants, Motion, Status
+from scenes import Failure, Instants, Motion, Settings, Status
 from scenes.model.motion import Samples
 
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Halves: TypeAlias = Mapping[str, Samples]  # of the last decimals, by channel, each of shape (n,), SI
 
-MOST = 1e-2  # relative: more than that is an error, and no decimals excuse it
+MOST = 1e-2  # relative, of a force to what it is left of: more than that is an error, and no decimals excuse it
 ALIKE = 3.0  # times what the checks find in the reference: the roundings of two motions differ by chance
 SEED = 20261122
 
@@ -47,7 +47,8 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
         explained = _explained_by_decimals(reference, request, halves, true)
     except Failure:  # which is named when it is compared
         return assess(reference, request, run, Explained(np.empty(0), {}))
-    excused = partial(_excused, reference, halves, true)
+    promise = (run.settings or Settings("")).promise
+    excused = partial(_excused, reference, halves, true, explained.terms, promise)
     held = replace(reference, floor=replace(reference.floor, doubt=""))  # with few channels nothing else is a check
     measured = assess(held, request, run, explained, excused)
     run = measured.run
@@ -83,14 +84,15 @@ def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samp
 
 def _explained_by_decimals(reference: Reference, request: Instants, halves: Halves, true: Motion) -> Explained:
     """Errors that round-off and decimals explain, at the instants of a result."""
-    moved, written = _meanwhile(reference, halves["time"], true), dict[str, Samples]()
+    moved, explained = _meanwhile(reference, halves["time"], true), explain(reference, request)
+    written: dict[str, Samples] = {}
     for channel in reference.mechanics.groups:
         stem, axis = channel[:-1], channel[-1]
         both = (stem + "x", stem + "y") if axis in "xy" else (channel,)
         half = np.linalg.norm([halves[c] for c in both if c in halves] or [np.zeros(1)], axis=0)
         relative = half / sizes(true, channel, reference.scale[channel]) + moved.get(channel, 0.0)
-        written[channel] = np.minimum(relative, MOST)
-    return replace(explain(reference, request), written=written)
+        written[channel] = np.minimum(relative, MOST * np.maximum(explained.terms.get(channel, 1.0), 1.0))
+    return replace(explained, written=written)
 
 
 def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, Samples]:
@@ -104,7 +106,9 @@ def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, S
     return moved
 
 
-def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) -> list[Check]:
+def _excused(
+    reference: Reference, halves: Halves, true: Motion, terms: Mapping[str, Samples], promise: float, own: Motion
+) -> list[Check]:
     """What checks find in a result's own motion; nothing where they find it in the reference's as it may be written."""
     draw, complete = np.random.default_rng(SEED), own.samples.keys() >= reference.mechanics.units.keys()
     way = np.abs(reference.scene.drive.at(true["time"]).rate) * halves["time"]  # of the drive meanwhile
@@ -113,12 +117,20 @@ def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) ->
 
     def found(motion: Motion) -> list[Check]:
         may = reference.acts(motion, true) if complete else None  # decimals may put a slider beyond a press's switch
-        return checks(reference.mechanics, motion, reference.travel, may, reference.stroke_ends)
+        return checks(reference.mechanics, motion, reference.travel, promise, may, reference.stroke_ends)
 
     allowed = found(Motion(off | {"time": true["time"]}))
     # A balance adds up many channels, each of which is held against the reference by itself: it has no other limit.
-    most = {_of(each): min(ALIKE * each.worst, np.inf if each.check in BALANCES else MOST) for each in allowed}
+    most = {
+        _of(each): min(ALIKE * each.worst, np.inf if each.check in BALANCES else MOST * _times(terms, each.of))
+        for each in allowed
+    }
     return [replace(each, worst=0.0) if each.worst <= most.get(_of(each), 0.0) else each for each in found(own)]
+
+
+def _times(terms: Mapping[str, Samples], channel: str) -> float:
+    """How many times the size of a channel the largest of its terms is, once at least."""
+    return max(float(np.max(terms.get(channel, 1.0))), 1.0)
 
 
 def _of(check: Check) -> tuple[str, str]:

@@ -18,14 +18,15 @@ from ..engines.registry import ORACLE, REFERENCE, voter
 from ..engines.runner import HERE, Run, Runs
 from ..mechanics.axis import cycle_name
 from ..mechanics.reference import Reference
-from ..mechanics.round_off import explain
+from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import relative_errors
 from .agreement import Judgement
+from .errors import worst_of
 from .foreign import assess_result, coarse
 from .measure import Measurement, escalated, measure
 from .plausibility import cycles_of, implausible
 from .sketch import rough, warnings
-from .verdict import doubted_core, judged
+from .verdict import doubted_core, judged, share
 
 if TYPE_CHECKING:
     from ..results.result import Result
@@ -63,6 +64,7 @@ def judgement(
             offered, why = offers(engine)
             measured, tried = escalated(at, offered)
             reasons.extend(filter(None, (why, tried)))
+            reasons.extend(beyond(measured, explained))
             yield measured
         for result in results:
             progress(f"comparing {result.run.engine}")
@@ -132,6 +134,25 @@ def notes(scene: Scene) -> Iterator[str]:
         elif len(body.corners) == 3 and height <= NARROW:
             taken = "is taken for a uniform triangular plate; a bar has up to twice the inertia"
             yield f"{nearly}, {taken}: give com and inertia, or put the points on the line"
+
+
+def beyond(measured: Measurement, explained: Explained) -> Iterator[str]:
+    """Yield a sentence on an engine that is ok, and further off than its settings promise: what round-off leaves there.
+
+    What it leaves of the reference itself is part of the verdict, see `floor`.
+    """
+    run = measured.run
+    if run.status is not Status.ok or run.settings is None or run.engine == REFERENCE:
+        return
+    over = [
+        row
+        for row in measured.errors
+        if row.channel in explained.sensitivity and row.commanded_max > run.settings.promise
+    ]
+    if over:
+        row = worst_of(over, "commanded_max")
+        off = f"{row.channel} is off by {share(row.commanded_max)} where {run.settings.promise:g} is promised"
+        yield f"{run.engine}: {off}: round-off explains up to {share(row.explained)}, {explained.why(row.channel)}"
 
 
 def point_masses(scene: Scene) -> Iterator[str]:

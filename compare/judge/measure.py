@@ -82,7 +82,9 @@ def assess(
     outcome = complete(outcome, scene, sampling)
     if outcome.motion is None:
         return Measurement(outcome, None, [], asked=sampling)
-    checked = find(outcome.motion) if find else checks(reference.mechanics, outcome.motion, reference.travel)
+    promise = (outcome.settings or Settings("")).promise
+    own = find or (lambda motion: checks(reference.mechanics, motion, reference.travel, promise))
+    checked = own(outcome.motion)
     verdict = judged(outcome, checked)
     try:
         comparison = compare(reference, sampling, outcome.motion)
@@ -109,7 +111,8 @@ def checked_run(
     outcome = complete(runs.run(engine, scene, sampling, settings), scene, sampling)
     if outcome.motion is None:
         return outcome
-    return judged(outcome, checks(Mechanics(scene), outcome.motion, travels(scene, outcome.motion)))
+    promise, travel = (outcome.settings or Settings("")).promise, travels(scene, outcome.motion)
+    return judged(outcome, checks(Mechanics(scene), outcome.motion, travel, promise))
 
 
 # Where an engine fails, or breaks its promise, at the settings asked for, others that it offers are tried: first the

@@ -4,6 +4,7 @@ This is all that the judge knows of them: the balance of forces and moments of e
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from math import ceil, pi
 from typing import Any, NamedTuple, TypeAlias
@@ -204,6 +205,16 @@ def inertial(state: MotionVectors) -> Iterator[Push]:
         z, v, a = state.com(body)
         couple = -inertia(body) * state.angle(name, "alpha")
         yield Push(name, -(body.mass or 0.0) * a, z, couple, v, f"the inertia of {name}")
+
+
+def magnitudes(state: MotionVectors, arm: float) -> dict[str, Samples]:
+    """By name the magnitude of each load, spring, weight and inertia, N, shape (n,); moments are by an arm, m.
+
+    They are what the joints' forces and the drive's effort are the sums of. Press forces count as acting.
+    """
+    everywhere = [np.ones(state.motion["time"].shape, bool) for _ in state.scene.presses]
+    pushes = (*applied(replace(state, acting=everywhere)), *inertial(state))
+    return {push.name: np.abs(push.force) + np.abs(push.moment) / arm for push in pushes}
 
 
 def of_joints(state: MotionVectors) -> Iterator[Push]:

@@ -59,6 +59,17 @@ def coefficient(one: Friction) -> float:
     return one.radius * sin(atan(one.coefficient)) if isinstance(one, PinFriction) else one.coefficient
 
 
+def newtons(mechanics: Mechanics, state: MotionVectors) -> dict[str, Samples]:
+    """By channel of friction how much a newton more in every joint makes of it, at most, shape (n,)."""
+    each, power = dict[str, Samples](), np.zeros_like(state.motion["time"])
+    for one in mechanics.scene.friction:
+        arm = 1.0 if isinstance(one, PinFriction) else 1 + 2 * mechanics.size / one.length  # its couple too
+        changed = np.full_like(power, coefficient(one) * arm)
+        each[one.channel(mechanics.scene)] = changed
+        power = power + changed * np.abs(rate(state, one))
+    return {**each, "friction.power": power} if each else each
+
+
 def by_law(state: MotionVectors, forces: Mapping[str, Samples]) -> dict[str, Samples]:
     """By channel what the friction should be of a motion, its sense its own, under forces of joints."""
     scene, law = state.scene, dict[str, Samples]()

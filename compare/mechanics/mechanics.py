@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from scenes import Failure, Scene
+from scenes import Failure, Motion, Scene
 from scenes.fields import Number, put, walk
-from scenes.model.motion import UNITS, channels, force_channels, friction_channels, quantity
+from scenes.model.motion import UNITS, Samples, channels, force_channels, friction_channels, quantity
 
 from ..engines import registry
 from .axis import axis
@@ -24,9 +24,11 @@ GROUPS: Mapping[str, str] = (
 
 SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque", "force")  # the drive is an input
 
+EPS = float(np.finfo(float).eps)
 ULPS = 4  # of every number, up or down at random
 DRAWS = 4  # scenes; their worst is within a factor of three of the worst of many more, see the tests
 SEED = 20261121
+MIN_POSITION = 1e-3  # of the drive's range
 LEFT_OUT = {("drive", name) for name in ("start", "end", "times", "positions")} | {
     ("loads", name) for name in ("last", "displacements", "positions", "times")
 }
@@ -75,16 +77,34 @@ class Mechanics:
         return {channel: one[self.units[channel]] for channel in self.forces}
 
     @cached_property
+    def perturbed(self) -> tuple["Mechanics", ...]:
+        """The scene with all its numbers a few last places off, up or down at random, `DRAWS` times.
+
+        A drive's frequencies stay, which decide how long a cycle is: instants a few last places off do the same.
+        """
+        numbers = {one.at: one.value for one in rounded(self.scene)}
+        signs = np.random.default_rng(SEED).choice((-1.0, 1.0), (DRAWS, len(numbers)))
+        jittered = np.array([*numbers.values()]) * (1 + ULPS * EPS * signs)
+        return tuple(Mechanics(put(self.scene, dict(zip(numbers, values, strict=True)))) for values in jittered)
+
+    @cached_property
     def neighbours(self) -> tuple[registry.Solve, ...]:
-        """Solvers of the scene with its lengths and places a few last places off; none where one cannot be solved."""
-        lengths = {one.at: one.value for one in inputs(self.scene) if one.quantity.dimension == "length"}
-        signs = np.random.default_rng(SEED).choice((-1.0, 1.0), (DRAWS, len(lengths)))
-        jittered = np.array([*lengths.values()]) * (1 + ULPS * np.finfo(float).eps * signs)
+        """Solvers of the perturbed scenes; none where one cannot be solved."""
         try:
-            others = (put(self.scene, dict(zip(lengths, values, strict=True))) for values in jittered)
-            return tuple(registry.reference(other, frozenset(self.units)) for other in others)
+            return tuple(registry.reference(other.scene, frozenset(self.units)) for other in self.perturbed)
         except Failure:
             return ()
+
+    def rounded_drive(self, motion: Motion) -> Iterator[tuple[Samples, Samples]]:
+        """Yield positions of the drive and instants a few last places off a motion's, for each perturbed scene.
+
+        A position that passes through zero is no better known there than where it is a thousandth of its range.
+        """
+        position, time = motion[self.scene.drive_channel], motion["time"]
+        off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * np.ptp(self.scene.drive.extent))
+        for number in range(DRAWS):
+            sign = (-1) ** number
+            yield position + sign * off, time * (1 + sign * ULPS * EPS)
 
 
 def inputs(scene: Scene) -> Iterator[Number]:
@@ -92,4 +112,15 @@ def inputs(scene: Scene) -> Iterator[Number]:
     for number in walk(scene):
         name = next(key for key in reversed(number.at) if not isinstance(key, int))
         if number.at[0] != "sketch" and (number.at[0], name) not in LEFT_OUT:
+            yield number
+
+
+def rounded(scene: Scene) -> Iterator[Number]:
+    """Yield the numbers of a scene that every model rounds its own way, those of the drive's law among them."""
+    for number in walk(scene):
+        group, name = number.at[0], next(key for key in reversed(number.at) if not isinstance(key, int))
+        if group == "drive":
+            if name not in ("times", "frequencies", "end"):
+                yield number
+        elif group not in ("sketch", "limits", "tolerances") and (group, name) not in LEFT_OUT:
             yield number

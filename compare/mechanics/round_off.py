@@ -1,12 +1,14 @@
 """The part of an error that arithmetic in doubles explains, sample by sample. Only what is above it is a fault.
 
-Three figures: the condition of the constraint Jacobian times the unit round-off, and how far the motion moves when the
-scene's numbers are off by a few units in the last place: each model rounds the lengths its own way before the first
-equation. Near a lock the second is by far the larger, since velocities have the condition once in them, accelerations
-thrice. The third is what forces leave that cancel in a joint.
+Three figures, of which the largest counts: the condition κ of the constraint Jacobian times the unit round-off ε; of a
+force ε κ times the largest force that acts over the size of that force; and how far the motion moves when the numbers
+of the scene, the drive's position and the instants are off by a few units in the last place: each model rounds them its
+own way before the first equation. Near a lock the third is by far the largest, since velocities have the condition once
+in them, accelerations thrice. The second is what loads leave that cancel in a joint: a spring along a crank, a mass on
+a spring that is moved as it would move by itself.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import reduce
 
@@ -15,14 +17,13 @@ import numpy as np
 from scenes import Failure, Motion, Rows
 from scenes.model.motion import Samples
 
-from .elements import applied
-from .mechanics import ULPS, Mechanics
+from .elements import magnitudes
+from .friction import newtons
+from .mechanics import EPS, Mechanics
 from .motion_vectors import MotionVectors
 from .reference import Reference
 from .scales import off_origin, sizes
 
-EPS = float(np.finfo(float).eps)
-MUCH = 100.0  # times what a joint carries: smaller forces leave less there than the other two figures
 UNKNOWN = 1e-3  # of κ ε: a length that is off by a few last places changes the pose by about that
 
 
@@ -33,24 +34,29 @@ class Explained:
     condition: Samples  # of the constraint Jacobian, shape (n,)
     sensitivity: Mapping[str, Samples]  # by channel, each of shape (n,)
     written: Mapping[str, Samples] = field(default_factory=dict)  # the same of what is written at decimals
-    cancelled: Mapping[str, Samples] = field(default_factory=dict)  # of forces: what large ones leave that cancel
-    largest: str = ""  # of these forces, in words
+    terms: Mapping[str, Samples] = field(
+        default_factory=dict
+    )  # of forces: the largest that acts over what errors are divided by
+    largest: str = ""  # of what acts, in words
 
     @property
     def decidable(self) -> bool:
         """Whether doubles can tell that the linkage moves at all: not next to a singular pose."""
         return bool(np.isfinite(list(self.sensitivity.values())).all() and (self.condition * EPS < UNKNOWN).all())
 
+    def left(self, channel: str) -> Samples:
+        """What one rounding of the largest term leaves of a channel, relative: ε κ, of forces times their `terms`."""
+        return EPS * self.condition * np.maximum(self.terms.get(channel, 1.0), 1.0)
+
     def error(self, channel: str) -> Samples:
         """The largest error of a channel that needs no explanation, shape (n,)."""
-        known = np.maximum(EPS * self.condition, self.sensitivity[channel])
-        return np.maximum(known, self.cancelled.get(channel, 0.0)) + self.written.get(channel, 0.0)
+        return np.maximum(self.left(channel), self.sensitivity[channel]) + self.written.get(channel, 0.0)
 
     def why(self, channel: str) -> str:
         """In words what leaves the largest error of a channel that needs no explanation."""
-        if np.max(self.cancelled.get(channel, 0.0)) > np.max(self.sensitivity[channel]):
+        if np.max(self.terms.get(channel, 0.0)) > 1 and np.max(self.left(channel)) > np.max(self.sensitivity[channel]):
             return f"{self.largest} cancels in it"
-        return "lengths that are off by their last places move it as much"
+        return "numbers of the scene that are off by their last places move it as much"
 
     def left_over(self, errors: Mapping[str, Samples]) -> dict[str, Samples]:
         """Errors by channel, zero where they need no explanation; NaN is not explained."""
@@ -65,40 +71,40 @@ def explain(reference: Reference, sampling: Rows) -> Explained:
     scene, mechanics = reference.scene, reference.mechanics
     true = reference.at(sampling.commanded(scene), sampling.times(scene))
     moved = _sensitivity(reference, true)
-    known, forces = mechanics.constraints.condition(true) * off_origin(mechanics, true), _forces(mechanics, true)
+    known = mechanics.constraints.condition(true) * off_origin(mechanics, true)
+    state = MotionVectors(scene, true)
+    forces = magnitudes(state, mechanics.size) if mechanics.forces else {}
+    joints = (channel for channel in mechanics.forces if channel in true and mechanics.units[channel] == "N")
+    forces |= {f"the force {channel}": np.abs(true[channel]) for channel in joints}
     largest = reduce(np.maximum, forces.values(), np.zeros_like(known))
     strongest = max(forces, key=lambda name: float(forces[name].max()), default="")
-    newtons = forces[strongest].max() if forces else 0.0
-    cancelled = {}
-    for channel in (channel for channel in mechanics.forces if channel in true):
-        times = largest * mechanics.newtons[channel] / sizes(true, channel, reference.scale[channel])
-        cancelled[channel] = np.where(times > MUCH, EPS * known * times, 0.0)
-    return Explained(known, moved, cancelled=cancelled, largest=f"{strongest}, {newtons:.3g} N,")
-
-
-def _forces(mechanics: Mechanics, true: Motion) -> dict[str, Samples]:
-    """The magnitudes of all forces on the bodies, N, each of shape (n,), with those of joints by channel."""
-    everything = [np.ones(true["time"].shape, bool) for _ in mechanics.presses]
-    pushes = applied(MotionVectors(mechanics.scene, true, everything)) if mechanics.forces else ()
-    joints = {c: np.abs(true[c]) for c in mechanics.forces if c in true and mechanics.units[c] == "N"}
-    loads = {push.name: np.abs(push.force) + np.abs(push.moment) / mechanics.size for push in pushes}
-    return loads | {f"the force {c}": size for c, size in joints.items()}
+    size = forces[strongest].max() if forces else 0.0
+    units: dict[str, Samples | float] = {**mechanics.newtons, **newtons(mechanics, state)}
+    terms = {
+        channel: largest * unit / sizes(true, channel, reference.scale[channel])
+        for channel, unit in units.items()
+        if channel in true
+    }
+    return Explained(known, moved, terms=terms, largest=f"{strongest}, {size:.3g} N,")
 
 
 def _sensitivity(reference: Reference, true: Motion) -> dict[str, Samples]:
-    """By how much each channel moves when lengths, places and drive are off by a few last places, shape (n,)."""
-    position, neighbours = true[reference.scene.drive_channel], reference.mechanics.neighbours
-    least = 1e-3 * np.ptp(reference.scene.drive.extent)  # an angle that passes through zero is no better known there
-    off = ULPS * EPS * np.maximum(np.abs(position), least)
+    """By how much each channel moves when all numbers and the drive are off by a few last places, shape (n,)."""
     unknown = {channel: np.full(true["time"].shape, np.inf) for channel in true.samples}
-    moved: dict[str, Samples] = {} if neighbours else unknown
-    for number, solve in enumerate(neighbours):
-        try:
+    moved: dict[str, Samples] = {}
+    try:
+        for other in perturbed(reference.mechanics, true):
             with np.errstate(invalid="ignore"):
-                by_channel = reference.errors(solve(position + (-1) ** number * off, true["time"]), true)
-        except Failure:  # it cannot be assembled: then doubles know nothing of the motion
-            return unknown
-        for channel, error in by_channel.items():
-            known = np.where(np.isnan(error), np.inf, error)  # where both scenes stand in a singular pose
-            moved[channel] = np.maximum(moved.get(channel, 0.0), known)
-    return moved
+                by_channel = reference.errors(other, true)
+            for channel, error in by_channel.items():
+                known = np.where(np.isnan(error), np.inf, error)  # where both scenes stand in a singular pose
+                moved[channel] = np.maximum(moved.get(channel, 0.0), known)
+    except Failure:  # it cannot be assembled: then doubles know nothing of the motion
+        return unknown
+    return moved or unknown
+
+
+def perturbed(mechanics: Mechanics, true: Motion) -> Iterator[Motion]:
+    """Yield the motions of the perturbed scenes beside one; none where one of them cannot be solved."""
+    for solve, drive in zip(mechanics.neighbours, mechanics.rounded_drive(true), strict=False):
+        yield solve(*drive)

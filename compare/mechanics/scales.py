@@ -8,6 +8,7 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples, quantity
 from scenes.scene import PinFriction
 
+from .elements import magnitudes
 from .friction import rate
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors, Vectors
@@ -38,7 +39,9 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
         arm = 1.0 if isinstance(one, PinFriction) else max(travel.values())
         if np.abs(rate(MotionVectors(mechanics.scene, motion), one)).max() <= REST * arm * mechanics.rate:
             peaks[one.channel(mechanics.scene)] = 0.0  # noise, of a joint that never moves
-    return _kinematic(mechanics, travel) | force_scales(mechanics, motion, travel, peaks)
+    terms = magnitudes(MotionVectors(mechanics.scene, motion), mechanics.size) if peaks else {}
+    strongest = max((float(term.max()) for term in terms.values()), default=0.0)
+    return _kinematic(mechanics, travel) | force_scales(mechanics, motion, travel, peaks, strongest)
 
 
 def _kinematic(mechanics: Mechanics, travel: Mapping[str, float]) -> dict[str, float]:
@@ -50,14 +53,19 @@ def _kinematic(mechanics: Mechanics, travel: Mapping[str, float]) -> dict[str, f
 
 
 def force_scales(
-    mechanics: Mechanics, motion: Motion, travel: Mapping[str, float], peaks: Mapping[str, float]
+    mechanics: Mechanics,
+    motion: Motion,
+    travel: Mapping[str, float],
+    peaks: Mapping[str, float],
+    strongest: float = 0.0,
 ) -> dict[str, float]:
     """What errors of forces are divided by: their peak, or the largest of all where it is rounding.
 
-    Where nothing accelerates and nothing pushes, all are rounding: then 1 N, or what T w^2 of the largest travel takes
-    for the heaviest body if that is less.
+    The `strongest` load, spring, weight or inertia, N, counts among these: loads may balance each other, and a drive
+    that moves a mass as its spring would has nothing to do. Where nothing accelerates and nothing pushes, all are
+    rounding: then 1 N, or what T w^2 of the largest travel takes for the heaviest body if that is less.
     """
-    largest = max(peaks.values(), default=0.0)
+    largest = max(strongest, *peaks.values()) if peaks else 0.0
     heaviest = max(body.mass or 0.0 for body in mechanics.scene.bodies.values())
     natural = heaviest * max(travel.values()) * mechanics.rate**2
     known = _kinematic(mechanics, travel)

@@ -100,9 +100,10 @@ def _spline(drive: MotionLaw) -> Law:
         h, (y, z), (M, N) = steps[i], positions[i : i + 2], bends[i : i + 2]
         b = ball(time - times[i]) / h
         a = 1 - b
-        bend = ((a**3 - a) * M + (b**3 - b) * N) * h**2 / 6
+        A, B = a * a, b * b  # a ball around zero squared by ** is not a number
+        bend = ((A * a - a) * M + (B * b - b) * N) * h * h / 6
         position = a * y + b * z + bend + periods * (positions[-1] - positions[0])
-        rate = (z - y) / h + ((1 - 3 * a**2) * M + (3 * b**2 - 1) * N) * h / 6
+        rate = (z - y) / h + ((1 - 3 * A) * M + (3 * B - 1) * N) * h / 6
         return Command(ball(cycles * times[-1]), position, rate, a * M + b * N)
 
     return at

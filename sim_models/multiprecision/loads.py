@@ -123,14 +123,14 @@ def _spring(linkage: LinkageEquations, spring: Spring) -> GeneralisedForce:
     def force(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
         d, J, pull = rows.value(q), rows.jacobian(q), arb(spring.stiffness)
         if spring.needs_direction:
-            distance = (d[0, 0] ** 2 + d[1, 0] ** 2).sqrt()
+            distance = abs(acb(d[0, 0], d[1, 0]))  # a ball around zero squared by ** is not a number
             if not distance > 0:
                 first, second = ".".join(spring.first), ".".join(spring.second)
                 place = linkage.scene.where(float(linkage.position.value(q)[0, 0]))
                 reason = f"the spring's ends {first} and {second} meet at {place}: it has no direction"
                 raise Failure(Status.nonfinite, reason)
             pull -= pull * spring.length / distance
-            pull += arb(spring.damping or 0) * (d.transpose() * J * velocity)[0, 0] / distance**2
+            pull += arb(spring.damping or 0) * (d.transpose() * J * velocity)[0, 0] / (distance * distance)
         return J.transpose() * d * -pull
 
     return force

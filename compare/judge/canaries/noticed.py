@@ -15,7 +15,7 @@ from ...mechanics.friction import resting
 from ...mechanics.mechanics import GROUPS
 from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference, on_switch
-from ...mechanics.round_off import EPS, Explained
+from ...mechanics.round_off import Explained, perturbed
 from ...mechanics.scales import apart
 from ..errors import shown_groups
 from ..measure import Measurement, assess, gates, missed
@@ -43,11 +43,11 @@ class Thinned:
         count = sampling.samples
         every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= ROWS * k))
         rows = slice(0, count + 1, every)
-        samples, moved, cancelled = (
+        samples, moved, terms = (
             {channel: values[rows] for channel, values in by.items()}
-            for by in (run.motion.samples, explained.sensitivity, explained.cancelled)
+            for by in (run.motion.samples, explained.sensitivity, explained.terms)
         )
-        self.explained = Explained(explained.condition[rows], moved, cancelled=cancelled)
+        self.explained = Explained(explained.condition[rows], moved, terms=terms)
         self.motion = Motion(samples, run.motion.unsupported)
         self.reference, self.scene, self.settings = reference, reference.scene, run.settings
         asked = replace(sampling, samples=count // every, turns=1)
@@ -76,15 +76,13 @@ class Thinned:
     @cached_property
     def rounding(self) -> Mapping[str, Samples]:
         """More than what round-off explains, relative, by channel: by the motion with numbers a few last places off."""
-        position, time = self.true[self.drive], self.true["time"]
         try:
-            others = [solve(position, time).samples for solve in self.reference.mechanics.neighbours]
+            others = [other.samples for other in perturbed(self.reference.mechanics, self.true)]
         except Failure:
             others = []
         moved = [Motion({channel: other[channel] - self.true[channel] for channel in other}) for other in others]
-        least, cancelled = EPS * self.explained.condition, self.explained.cancelled
         relative = {c: [length(motion, c) / size for motion in moved] for c, size in self.sizes.items()}
-        return {c: ROUNDINGS * np.max([least, cancelled.get(c, least), *of], axis=0) for c, of in relative.items()}
+        return {c: ROUNDINGS * np.max([self.explained.left(c), *of], axis=0) for c, of in relative.items()}
 
     def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
         """The judgement of another motion in place of the run's."""

@@ -38,7 +38,8 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
         least_moment = lever * peaks[f"{name}.guide_force"]
         peaks[f"{name}.guide_moment"] = max(peaks[f"{name}.guide_moment"], least_moment)
     for channel, peak in peaks.items():
-        by_channel[channel] = whole * (peak if peak > NOTHING * max(peaks.values()) else otherwise[channel])
+        least_peak = NOTHING * max(otherwise[channel], *peaks.values())  # of no force: what loads leave that balance
+        by_channel[channel] = whole * (peak if peak > least_peak else otherwise[channel])
     return by_channel | {scene.drive_channel: np.maximum(travel, np.abs(way - way[0]))}
 
 

@@ -30,9 +30,8 @@ from scenes.scene import ConstantSpeed
 from ...engines import registry
 from ...engines.runner import run
 from ...judge.peaks.peaks import peaks
-from ...mechanics.mechanics import SHOWN_GROUPS, inputs
+from ...mechanics.mechanics import EPS, SHOWN_GROUPS, inputs
 from ...mechanics.reference import Reference, on_switch
-from ...mechanics.round_off import EPS
 from ...mechanics.scales import magnitude, relative_errors
 
 STEP = 2.0**-40  # 1e-12, of an input: the changes keep four digits as doubles, and are small down to 1e-10 from lock

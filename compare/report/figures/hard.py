@@ -10,8 +10,7 @@ import pandas as pd
 from scenes import Status
 
 from ...measure.hard.case import Outcome
-from ...mechanics.mechanics import SHOWN_GROUPS
-from ...mechanics.round_off import EPS
+from ...mechanics.mechanics import EPS, SHOWN_GROUPS
 from .figure import Figure, draw, side_by_side
 from .style import BOUND, categories, colour, error_axes, graded, layout
 

@@ -9,8 +9,8 @@ import pytest
 
 from analytic.core import kinematics
 from compare.measure.hard.digits import STEP, digits_lost, inputs_off, nearest_lock, positions
+from compare.mechanics.mechanics import EPS
 from compare.mechanics.reference import Reference, uncertified
-from compare.mechanics.round_off import EPS
 from scenes import Failure, Positions, Scene, Status, hard
 from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed

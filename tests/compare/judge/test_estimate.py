@@ -11,10 +11,9 @@ from compare.engines.runner import run
 from compare.judge.checks import checks, estimate
 from compare.judge.measure import checked_run, measure
 from compare.mechanics.constraints import Constraints
-from compare.mechanics.mechanics import GROUPS, SHOWN_GROUPS, Mechanics
+from compare.mechanics.mechanics import EPS, GROUPS, SHOWN_GROUPS, Mechanics
 from compare.mechanics.projection import projected
 from compare.mechanics.reference import Reference, uncertified
-from compare.mechanics.round_off import EPS
 from compare.mechanics.scales import scales
 from scenes import Motion, Sampling, Settings, Status, hard
 from scenes.model.motion import force_channels, quantity
