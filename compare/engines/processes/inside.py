@@ -215,15 +215,30 @@ def _end_with(system: CDLL, parent: int, by: signal.Signals) -> None:
 
 def descendants(process: int) -> list[int]:
     """Return the processes below one, those of whom others are below first."""
+    children = Path("/proc/self/task", str(os.getpid()), "children").exists()  # kernels may be built without
+    below, known = _children if children else _by_parent().get, [process]
+    for each in known:
+        known += below(each) or ()
+    return known[1:]
+
+
+def _children(process: int) -> list[int]:
+    """Return the processes that each thread of a process has started."""
+    found: list[int] = []
+    for task in Path(f"/proc/{process}/task").glob("*/children"):
+        with suppress(OSError):  # it has gone
+            found += map(int, task.read_text("ascii").split())
+    return found
+
+
+def _by_parent() -> dict[int, list[int]]:
+    """Return the processes below each, of all processes of the machine."""
     below: dict[int, list[int]] = {}
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):  # it has gone
             parent = int(stat.read_text("utf-8", "replace").rpartition(")")[2].split()[1])
             below.setdefault(parent, []).append(int(stat.parent.name))
-    known = [process]
-    for each in known:
-        known += below.get(each, ())
-    return known[1:]
+    return below
 
 
 def memory(process: int) -> int:

@@ -6,12 +6,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from threading import Thread
 
 import psutil
 import pytest
 
 from compare.engines.processes import isolation
-from compare.engines.processes.inside import Ended, Limits
+from compare.engines.processes.inside import Ended, Limits, _by_parent, descendants
 from compare.engines.processes.isolation import isolated
 from compare.engines.processes.stopping import Stopped, kept
 from scenes import Status
@@ -123,3 +124,27 @@ def test_processes_that_are_begun_anew_answer_die_and_end_with_their_parent() ->
     assert (first, *others) == ("a: A", "asleep: no answer within 0.3 s", "abort: its process ended by SIGABRT")
     assert re.fullmatch(r"SystemExit: SystemExit: bye \(tests/deaths.py, line \d+\)", raised)
     assert within(5.0, lambda: not alive(int(begun)))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of /proc")
+def test_the_processes_below_one_are_found() -> None:
+    """One below another that a thread has started; psutil looks at the parents of all processes of the machine."""
+    command = [sys.executable, "-c", "import subprocess, sys; subprocess.run([sys.executable, '-c', 'input()'])"]
+    started: list[subprocess.Popen[bytes]] = []
+    thread = Thread(target=lambda: started.append(subprocess.Popen(command, stdin=subprocess.PIPE)))
+    thread.start()
+    thread.join()
+    process = psutil.Process(started[0].pid)
+    try:
+        deadline = time.monotonic() + 20  # s, on a busy machine
+        while not process.children() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        below = [one.pid for one in process.children(recursive=True)]
+        assert len(below) == 1
+        assert descendants(process.pid) == below
+        own = [one.pid for one in psutil.Process().children(recursive=True)]
+        assert {process.pid, *below} <= {*own}
+        assert sorted(descendants(os.getpid())) == sorted(own)
+        assert _by_parent()[process.pid] == below  # of kernels without children
+    finally:
+        started[0].communicate(b"\n")
