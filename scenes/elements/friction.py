@@ -91,7 +91,7 @@ class FrictionTable(FileTable):
     """
 
     at: Known | None = Field(None, description="The pin.")
-    body: Known | None = Field(None, description="Where three bodies meet at the pin, the later one of the two.")
+    body: Known | None = Field(None, description="Of three bodies at one pin: the later one of the two that rub.")
     radius: Length | None = Field(None, description="Of the pin.")
     slider: Known | None = Field(None, description="Instead of a pin: the body that slides.")
     length: Length | None = Field(None, description="Of the guide's contact, with its middle at the first point.")

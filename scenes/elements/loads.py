@@ -129,7 +129,9 @@ class LoadTable(FileTable):
         Annotated[Annotated[ForceVector, Tag("vector")] | Annotated[Newtons, Tag("number")], Discriminator(_shape)]
         | None
     ) = Field(None, description="The force: [x, y]; or a number along the guide of a body that slides.")
-    last: Length | None = Field(None, description="Only in this last part of the stroke that closes against the force.")
+    last: Length | None = Field(
+        None, description="Only while the slider moves against the force, so near to the end of its stroke."
+    )
     moment: NewtonMetres | None = Field(None, description="Instead of `force`: a moment, counter-clockwise positive.")
     table: Annotated[list[Pair], Field(min_length=2, max_length=limits.ROWS)] | None = Field(
         None,

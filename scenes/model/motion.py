@@ -21,9 +21,9 @@ Of the analytic core alone, since the other engines know no Assur groups, by the
 | channel | meaning |
 |---|---|
 | `P.transmission` | from 0 in a singular configuration to a right angle: of two bars, or a bar and a guide's normal |
-| `P.to_lock` | by how much the nearest length, or guide's offset, would have to be off for the group to be singular |
+| `P.to_lock` | the least change of one length, or of a guide's offset, that makes the group singular |
 
-Between the samples enclosures are known of channels, and of magnitudes:
+Enclosures bound channels between the samples too, and these magnitudes:
 
 | magnitude | meaning |
 |---|---|
