@@ -35,7 +35,8 @@ from .way.windings import Winding, windings
 # glibc maps fresh pages for what is larger than the largest block of under 32 MiB that was given back so far, and gives
 # back what is free above twice that: with its first limits, temporaries' pages are half of a solution's time.
 np.empty(31 << 17)
-RECORDED_FROM = 40_001  # positions, where recording, some ms, pays: the line takes half the formulas' time
+RECORDED_FROM = 40_001  # positions of all calls, where recording, some ms, pays: the line takes half the formulas' time
+LONG = 1000  # positions of a call: a shorter one is by the formulas whatever else is solved, to the last digit
 STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities that need no rates
 
 
@@ -103,7 +104,8 @@ class Solver:
         single = self.at_hand is None and isinstance(position, np.ndarray) and position.dtype == np.float32
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(self.scene, position, time)
-        line_pays = self.at_hand is not None or len(position) >= RECORDED_FROM
+        self._solved[0] += len(position)
+        line_pays = self.at_hand is not None or (len(position) >= LONG and self._solved[0] >= RECORDED_FROM)
         samples = self._by_line(driven, time) if line_pays and not single and self.motion_at is None else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
             samples = self._by_formulas(driven, time)
@@ -155,6 +157,11 @@ class Solver:
         """What elements need besides the motion, at positions of the drive and instants, s, of one shape."""
         wound = {name: winding(position) for name, winding in self.windings.items()}
         return {**self.stroke_ends, **wound, "position": position, "time": time}
+
+    @cached_property
+    def _solved(self) -> list[int]:
+        """How many positions all calls so far had."""
+        return [0]
 
     @cached_property
     def recorded(self) -> tuple[Program, Line]:

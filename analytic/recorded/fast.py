@@ -1,19 +1,31 @@
 """One machine in many calls at few positions: by the line of its formulas, in machine code if possible."""
 
+import sys
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
+from dataclasses import replace
+from functools import cached_property, lru_cache
+from math import nan
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes import Failure, InputError, Scene, Status
+from scenes import Failure, InputError, Motion, Scene, Status
+from scenes.model.lookup import Rows
+from scenes.model.motion import Samples
+from scenes.scene import ConstantSpeed
 
 from ..solve import Solver, solver
 from .arithmetics.in_numpy import StraightLine
-from .arithmetics.machine_code import COMPILES, MachineCode, operations
+from .arithmetics.machine_code import CHUNK, COMPILES, MachineCode, operations
+from .expressions import Line
 from .many import Machines, ManySolver, many_solver
-from .program import recorded
+from .program import Program, recorded
 
 LARGEST = 1000  # operations, of which machine code is made in some 4 s; of twice as many in three times that
+MANY = 1_000_000  # samples, of which machine code saves more than it takes to record the formulas anew
+MANY_MORE = 30_000_000  # of which it saves the second or two that numba takes to be imported
+VERY_MANY = 100_000_000  # of which it saves the seconds that machine code takes to make
 
 
 def fast_solver(
@@ -36,8 +48,7 @@ def fast_solver(
     if compiled and not COMPILES:
         raise InputError("compiled: expected numba to be installed, as by the extra 'compiled'")
     if compiled or (compiled is None and COMPILES):
-        # all numbers are open, so that the code is one for the topology
-        program = recorded(scene, scene.numbers.keys(), core.request.channels)
+        program = _opened(scene, core.request.channels)
         count = operations(program.rows)
         if compiled and count is None:
             raise Failure(Status.unsupported, "a group that is solved by Newton's method has no machine code")
@@ -49,8 +60,61 @@ def fast_solver(
     return FastSolver(**vars(core) | {"at_hand": (program, StraightLine(program.rows))})
 
 
+def _opened(scene: Scene, channels: frozenset[str] | None) -> Program:
+    """The formulas with all numbers open, so that the code is one for the topology; arcs last, for one call."""
+    program = recorded(scene, scene.numbers.keys(), channels)
+    last = sorted(program.channels.items(), key=lambda channel: channel[1].operation == "arctan2")
+    return replace(program, channels=dict(last))
+
+
+@lru_cache(maxsize=4)
+def machine_line(scene: Scene, channels: frozenset[str] | None, samples: int) -> tuple[Program, Line] | None:
+    """The formulas of many machines in machine code, where it is at hand, or so many samples are worth making it."""
+    if not COMPILES or samples < (MANY if "numba" in sys.modules else MANY_MORE):
+        return None
+    program = _opened(scene, channels)
+    count = operations(program.rows)
+    if count is None or count > LARGEST:
+        return None
+    known = {path: number.value for path, number in scene.numbers.items()}
+    line = MachineCode(program.rows, known | dict.fromkeys(program.strokes, nan))  # whose ends each machine has
+    return (program, line) if line.at_hand or samples >= VERY_MANY else None
+
+
 class FastSolver(Solver):
     """One topology, prepared for many calls, of many machines too."""
+
+    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
+        """Solve as `Solver` does; few positions at a constant speed by machine code without a detour."""
+        if time is None and type(position) is np.ndarray and 0 < position.size <= CHUNK:
+            return self._at_once(position) or super().__call__(position)
+        return super().__call__(position, time)
+
+    def _at_once(self, position: Samples) -> Motion | None:
+        """The same, shape (n,); None where it has to be looked at closer, or there is no machine code for it."""
+        code, drive = self._code, self.scene.drive
+        plain = position.dtype == np.float64 and position.ndim == 1
+        if code is None or not plain or not np.isfinite(position).all() or not isinstance(drive, ConstantSpeed):
+            return None
+        rows = np.empty((len(code) + 2, 1, len(position)))
+        reach, instants, positions = rows[-3:, 0]
+        positions[:] = position
+        np.divide(positions - drive.start, drive.speed, out=instants)
+        code.of_known({"position": positions, "time": instants}, rows[:-2])
+        return Motion(Rows(self._places, rows[:, 0])) if reach.min() >= 0 else None
+
+    @cached_property
+    def _code(self) -> MachineCode | None:
+        """The line, if it is machine code of the time and the position alone."""
+        line = self.at_hand[1] if self.at_hand else None
+        return line if isinstance(line, MachineCode) and line.driven <= {"position", "time"} else None
+
+    @cached_property
+    def _places(self) -> Mapping[str, int]:
+        """By channel wanted its place among the line's rows, which the time and the position follow."""
+        assert self.at_hand is not None
+        rows = [*self.at_hand[0].channels, "reach", "time", self.scene.drive_channel]
+        return {channel: rows.index(channel) for channel in (*self.known, *self.own)}
 
     def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Scene, Status
-from scenes.arguments import finite_numbers, refuse
+from scenes.arguments import finite_numbers, refuse, scene_of
 from scenes.model.motion import Samples
 
 from .arithmetics.in_numpy import BLOCK, blocks
+from .fast import machine_line
 from .many import many_solver, told
 
 
@@ -116,9 +117,11 @@ def reduce_many(
     """
     if not isinstance(reductions, Sequence) or not all(hasattr(reduction, "channel") for reduction in reductions):
         refuse("reductions", "several, as [Extremes(...)]", reductions)
-    many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
     positions = position if isinstance(position, Grid) else np.atleast_1d(finite_numbers("position", position))
-    n, failed, done = positions.shape[-1], dict(many.failed), 0
+    n, channels = positions.shape[-1], frozenset(reduction.channel for reduction in reductions)
+    machines = max((np.size(values) for values in changes.values()), default=1) if isinstance(changes, Mapping) else 1
+    many = many_solver(scene, changes, channels, machine_line(scene_of(scene), channels, machines * n))
+    failed, done = dict(many.failed), 0
     for rows, columns in blocks(many.count, n, 2 * BLOCK):
         at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
         samples = many.block(rows, at, None, failed)

@@ -1,6 +1,9 @@
 """The core's formulas in a straight line, as NumPy calls and as machine code: the same numbers as the core's."""
 
+import sys
 from pathlib import Path
+from pickle import dumps, loads
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,7 +11,10 @@ import pytest
 import analytic
 import scenes
 from analytic.recorded.arithmetics import machine_code
-from scenes import Failure, Motion
+from analytic.recorded.fast import machine_line
+from analytic.recorded.program import Program, recorded
+from analytic.solve import Solver
+from scenes import Failure, InputError, Motion, Scene
 from scenes.model.motion import channels as known
 from tests.comparisons import SLOW
 
@@ -38,6 +44,68 @@ def test_straight_line_of_every_scene(name: str) -> None:
     channels = set(known(scene))
     line = analytic.fast_solver(scene, channels, compiled=False)
     assert_same(line(position, time), analytic.solve(scene, position, time, channels))
+
+
+def test_positions_of_all_calls_count_for_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From 40,001 on long calls are by it; a short call has the same digits whatever was solved before."""
+    scene, made = scenes.load("four_bar"), list[str]()
+
+    def seen(scene: Scene, *rest: Any) -> Program:
+        made.append(scene.name)
+        return recorded(scene, *rest)
+
+    monkeypatch.setattr(sys.modules[Solver.__module__], "recorded", seen)
+    solve, angles = analytic.solver(scene), np.linspace(0, 6, 10_000)
+    first, short = solve(angles), solve(angles[:9])
+    for _ in range(2):
+        solve(angles)
+    assert made == []
+    assert_same(solve(angles), first)
+    solve(angles)
+    assert made == ["four_bar"]
+    again = solve(angles[:9])
+    assert all((again[channel] == short[channel]).all() for channel in short.samples)
+
+
+@SLOW
+@pytest.mark.parametrize("name", ["toggle_press", "four_bar"])
+def test_few_positions_go_to_the_machine_code_at_once(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One call of it and no more; what comes is the same to the last bit as on the way that many positions take."""
+    scene = scenes.load(name)
+    fast, angles = analytic.fast_solver(scene, compiled=True), np.linspace(0, 6, 9)
+    some = fast(angles)
+    whole = fast([*angles])  # a list is looked at
+    assert list(some.samples) == list(whole.samples)
+    assert all((some[channel] == whole[channel]).all() for channel in whole.samples)
+    assert (loads(dumps(some))["time"] == some["time"]).all()
+    monkeypatch.setattr(Solver, "__call__", None)
+    fast(angles[:1])
+
+
+@SLOW
+def test_reductions_are_by_machine_code_where_it_is_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, channels, values = scenes.load("four_bar"), frozenset(["B.x"]), list[float]()
+    monkeypatch.setattr("analytic.recorded.fast.MANY", 1000)
+    for _ in range(2):
+        machine_line.cache_clear()
+        largest = analytic.Extremes("B.x", 2)
+        changes = {"bodies.crank.mass": [1.0, 2.0]}
+        analytic.reduce_many(scene, changes, analytic.Grid(0, 6, 500), [largest])
+        values.append(float(largest.largest[0]))
+        made = machine_line(scene, channels, 1000)
+        assert (made is not None) == (len(values) == 2)
+        analytic.fast_solver(scene, channels, compiled=True)([0.0])
+    assert machine_line(scene, channels, 999) is None
+    assert values[0] == pytest.approx(values[1], rel=1e-13)  # roundings
+
+
+@SLOW
+def test_what_is_no_position_is_refused_at_once_too() -> None:
+    fast = analytic.fast_solver(scenes.load("four_bar"), compiled=True)
+    assert np.isfinite(fast(np.array([1e200]))["B.x"]).all()  # a double
+    for position in (np.nan, np.inf):
+        with pytest.raises(InputError, match="position: expected finite numbers"):
+            fast(np.array([position]))
 
 
 @ROUTES

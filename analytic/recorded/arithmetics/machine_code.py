@@ -6,7 +6,8 @@ cosines of what the drive asks for, after it the arcs that nothing else is of: N
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from contextlib import suppress
+from functools import cache, cached_property
 from hashlib import sha256
 from importlib.util import find_spec
 from os import environ, getpid
@@ -68,10 +69,12 @@ class MachineCode:
         used = {one.order for made in needed(expressions) for one in made.operands}
         arcs = [one.operation == "arctan2" and one.order not in used for one in expressions]
         self._rows, self._arcs = len(expressions), np.flatnonzero(arcs).tolist()
+        together = [*range(self._arcs[0], self._arcs[-1] + 1)] if self._arcs else []
+        self._together = slice(together[0], together[-1] + 1) if together == self._arcs != [] else self._arcs
         rows = [one.of[0] if arc else one for one, arc in zip(expressions, arcs, strict=True)]
         loop = Loop([*rows, *(expressions[row].of[1] for row in self._arcs)], PYTHON, early=("sin", "cos"))
         self._drive, self._early, self._numbers = len(loop.given), function_of(loop.given), loop.numbers
-        self._driven = {one.of[0] for one in needed(loop.given) if one.operation == "input"}
+        self.driven = {one.of[0] for one in needed(loop.given) if one.operation == "input"}
         self._known = np.array([[known[name] for name in loop.numbers]])
         kept = [f"buffer[{row}, i] = {value}" for row, value in enumerate(loop.values)]
         source = MODULE.format(
@@ -79,7 +82,31 @@ class MachineCode:
             of_position="\n                ".join([*loop.of_position, *kept]),
             **{"buffers": len(kept), "chunk": CHUNK, "width": CHUNK + LANES, "lanes": LANES},
         )
-        self._kernel = kernel_of(source)
+        self._source = source
+
+    @cached_property
+    def _kernel(self) -> Kernel:
+        return kernel_of(self._source)
+
+    @property
+    def at_hand(self) -> bool:
+        """Whether it was made before, on this computer."""
+        with suppress(OSError, RuntimeError):
+            return kept_in(self._source).is_file()
+        return False
+
+    def __len__(self) -> int:
+        """How many expressions there are."""
+        return self._rows
+
+    def of_known(self, given: Inputs, filled: Samples) -> None:
+        """Fill in the values, shape (rows, 1, n), of the machine of known numbers at few positions, by one call."""
+        n = filled.shape[2]
+        drive, arcs = np.zeros((self._drive, 1, -(-n // LANES) * LANES)), np.empty((len(self._arcs), 1, n))
+        self._early(given, drive[..., :n])
+        self._kernel(self._known, drive, filled, arcs, 0, 0)
+        if self._arcs:
+            filled[self._together] = np.arctan2(filled[self._together], arcs)
 
     def __call__(self, given: Inputs) -> Samples:
         """The values."""
@@ -88,7 +115,7 @@ class MachineCode:
         for column, name in enumerate(self._numbers):
             if name in given:
                 numbers[:, column] = np.ravel(given[name])
-        driven = {name: given[name] for name in self._driven}
+        driven = {name: given[name] for name in self.driven}
         own = any(len(values) > 1 for values in map(np.atleast_2d, driven.values()))
         filled = np.empty((self._rows, m, n))
         for rows, columns in blocks(m, n):  # so that sines, cosines and arcs stay in cache
@@ -109,15 +136,24 @@ def operations(expressions: Sequence[Expression]) -> int | None:
     return None if made & {"system", "closed"} else len(needed(expressions))
 
 
+def named(source: str) -> str:
+    """The name of the module of a text."""
+    return f"kernel_{sha256(source.encode()).hexdigest()[:24]}"
+
+
+def kept_in(source: str) -> Path:
+    """The file of a text that was made into machine code; RuntimeError where there is no home."""
+    return Path(environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linkage-crosscheck" / f"{named(source)}.py"
+
+
 @cache
 def kernel_of(source: str) -> Kernel:
     """Return the function of a text as machine code, from the disk where it was made before."""
-    module = ModuleType(f"kernel_{sha256(source.encode()).hexdigest()[:24]}")
+    module = ModuleType(named(source))
     try:
-        folder = Path(environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linkage-crosscheck"
-        file = folder / f"{module.__name__}.py"
+        file = kept_in(source)
         if not file.is_file() or file.read_text(encoding="utf-8") != source:
-            folder.mkdir(parents=True, exist_ok=True)
+            file.parent.mkdir(parents=True, exist_ok=True)
             aside = file.with_suffix(f".{getpid()}")
             aside.write_text(source, encoding="utf-8")
             aside.replace(file)
