@@ -171,7 +171,12 @@ def _table(location: Location, declared: Declared, given: object) -> str:
         return f", [{'.'.join(map(str, location))}] in single brackets"
     if key in declared.table.model_fields and (examples := declared.table.model_fields[str(key)].examples):
         return f", as {as_written(examples[0])}"
-    keys = [*(_model(declared.hint) or declared.table).model_fields.items()]
+    model = _model(declared.hint)
+    if model is None:
+        return ""
+    if key in declared.table.model_fields and any(get_origin(part) is dict for part in parts(declared.hint)):
+        return f" of tables, as [{path_in_file(location)}.NAME]"
+    keys = [*model.model_fields.items()]
     needed = [name for name, field in keys if field.is_required()] or [name for name, _ in keys]
     listed = ", ".join(map(repr, needed if len(needed) <= MANY else needed[: MANY // 2]))
     return f" of {listed}{' and so on' if len(needed) > MANY else ''}"

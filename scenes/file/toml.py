@@ -28,18 +28,26 @@ def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) ->
         except FileNotFoundError:
             raise InputError(f"no such {kind} or file{nearest(path.stem, known)}") from None
         except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise InputError(f"not valid TOML: {str(error) or type(error).__name__}{_comma(text, error)}") from None
+            raise InputError(f"not valid TOML: {str(error) or type(error).__name__}{_slip(text, error)}") from None
         except ValueError as error:  # an integer of thousands of digits
             raise InputError(f"cannot be read ({error})") from None
         _check_values(tables, ())
     return tables
 
 
-def _comma(text: str, error: Exception) -> str:
-    """What to write in a line that cannot be read, as a number in it has a decimal comma."""
-    line = re.search(r"at line (\d+)", str(error))
-    comma = line and re.search(r"=\s*([-+]?\d+),(\d+)", text.splitlines()[int(line[1]) - 1])
-    return f"; a number's decimals come after a '.', as {comma[1]}.{comma[2]}" if comma else ""
+_SLIPS = {  # what lines that cannot be read often have: what to write instead
+    r"=\s*([-+]?\d+),(\d+)": r"a number's decimals come after a '.', as \1.\2",
+    r"=\s*([-+]?[\d.]+) *[A-Za-z]": r"a number stands alone, as \1; its unit is in [units]",
+    r"=\s*([A-Za-z]\w*)\s*(?:#.*)?$": r'a text needs quotation marks, as "\1"',
+}
+
+
+def _slip(text: str, error: Exception) -> str:
+    """What to write in a line that cannot be read; nothing where no usual slip is in it."""
+    where = re.search(r"at line (\d+)", str(error))
+    line = text.split("\n")[int(where[1]) - 1] if where else ""
+    found = ((re.search(pattern, line), instead) for pattern, instead in _SLIPS.items())
+    return next((f"; {slip.expand(instead)}" for slip, instead in found if slip), "")
 
 
 def read_text(path: Path, most: int) -> str:

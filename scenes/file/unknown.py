@@ -45,11 +45,15 @@ OTHER_WORDS = {  # for keys, by the words that others have for them
     "mu": "coefficient",
     "center centre cog": "com",
     "rest_length free_length": "length",
+    "moment_of_inertia": "inertia",
+    "k": "stiffness",
+    "c": "damping",
     "damper": "damping springs",
     "guide": "slides",
     "direction axis": "along",
     "origin": "through",
-    "node": "points",
+    "node coordinate coord": "points",
+    "initial_angle": "start",
 }
 
 
@@ -66,13 +70,16 @@ def unknown(file: type[BaseModel], table: type[BaseModel], location: Sequence[in
     if location[0] == "limits" and "." not in str(location[1]) and isinstance(given, dict | float | int):
         channel = path_in_file(location[1:])
         return f'expected [limits."{channel}"], since a name with a point in it needs quotation marks'
-    if location[0] == "ground" and len(location) == 2:
-        return "unknown key; expected points in [ground.points]"
+    if "points" in known and isinstance(given, list):
+        return f"unknown key; expected points in [{path_in_file(location[:-1])}.points]"
+    if len(location) == 1 and isinstance(given, dict) and not {"points", "lengths"}.isdisjoint(given):
+        return f"unknown key; expected a body as [bodies.{path_in_file(location)}]"
     if close := nearest(key, known, or_all=False):
         return f"unknown key{close}"
     if why := next((beyond[name] for name in word.split("_") if name in beyond), None):
         return f"{why}; see {PAGE}"
-    if headings := [heading for heading, other in tables(file) if key in other.model_fields]:
+    headings = [heading for heading, other in tables(file) if key in other.model_fields]
+    if headings := [heading for heading in headings if not heading.startswith(("units", "tolerances"))]:
         top = "the top of the file, above its first [table]"
         places = " or ".join(f"[{heading}]" if heading else top for heading in headings[:PLACES])
         return f"unknown key here; '{key}' belongs to {places}"

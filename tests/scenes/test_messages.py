@@ -32,12 +32,18 @@ C = [200, 0] => C = [200, 0, 0] :: ground.points.C: expected two numbers, [x, y]
 mass = 0.5 => mass = 0,5 :: not valid TOML | a number's decimals come after a '.', as 0.5
 { A = [0, 0], B = [250, 0], T = [500, 0] } => [[0, 0], [250, 0]]
     :: bodies.coupler.points: expected a table, as { A = [0, 0], B = [100, 0] }
+mass = 0.5 => mass = 0.5 kg :: not valid TOML | a number stands alone, as 0.5; its unit is in [units]
+point = "T" => point = T :: not valid TOML | a text needs quotation marks, as "T"
+[bodies.crank] => [crank] :: crank: unknown key; expected a body as [bodies.crank]
+lengths = { "O-A" = 100 } => O = [0, 0]\nA = [100, 0]
+    :: bodies.crank.O: unknown key; expected points in [bodies.crank.points]
+[bodies.crank] => [limits]\nt = 5\n[bodies.crank] :: limits.t: expected a table of 'least', 'most', found 5
 speed = -60 => speed = "60 rpm" :: drive.speed: expected a number in rpm, without a unit
 speed = -60 => rpm = 60 :: drive.rpm: unknown key; did you mean 'speed'?
 [drive]\nbody = "crank" => [drive] :: drive.body: missing; a body with one pin on the ground
 [sketch] => [drives]\nbody = "crank"\n[sketch] :: drives: one drive alone moves a linkage | docs/limits.md
 point = "T" => point = "T"\ngravity = [0, -9] :: output.gravity: unknown key here; 'gravity' belongs to the top of
-mass = 0.5 => mass = 0.5\nspeed = 3 :: bodies.crank.speed: unknown key here; 'speed' belongs to [units] or [drive]
+mass = 0.5 => mass = 0.5\nspeed = 3 :: bodies.crank.speed: unknown key here; 'speed' belongs to [drive]
 A = [0, 100] => output = "T" :: sketch.output: expected a point; 'output' belongs to the top of the file
 A = [0, 100] => a = [0, 100] :: sketch.a: no such moving point; did you mean 'A'?
 length = "mm", => lenght = "mm", :: units.lenght | 'length'
