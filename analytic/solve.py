@@ -234,12 +234,13 @@ def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples
 
 
 def not_reached(linkage: Linkage, k: Kinematics, position: Samples) -> tuple[Dyad | Group, float] | None:
-    """The first group that does not reach somewhere, and the first such position; None where all do."""
+    """The first of the positions where a group does not reach, and that group; None where all do."""
+    first, least = None, len(position)
     for group in linkage.groups:  # in solving order: the first that fails is negative, what hangs on it is NaN
         short = np.broadcast_to(k.reach.get(group.P, 0.0), position.shape) < 0
-        if short.any():
-            return group, float(position[short.argmax()])
-    return None
+        if short.any() and (row := int(short.argmax())) < least:
+            first, least = (group, float(position[row])), row
+    return first
 
 
 def where_open(scene: Scene, linkage: Linkage, group: Dyad | Group, position: float) -> str:

@@ -36,6 +36,7 @@ from ..core.groups.newton_group import own_jacobian
 from ..core.kinematics import followed, placed
 from ..recorded.arithmetics.box_line import inverses
 from ..solve import prepared
+from ..way.change_points import change_points
 from ..way.motion_range import End, motion_at, motion_range
 
 SAME = 1e-6  # of the longest arm, or of a range: two poses, ends of intervals, or boxes with one zero
@@ -105,13 +106,23 @@ def _assembled(scene: Scene, before: Linkage, group: Dyad | Group, at: Samples) 
     return ways, complete
 
 
+def _known(place: End, others: Sequence[End], turn: float) -> bool:
+    """Whether a place of the drive is among others, but for whole turns."""
+    return any(joint == place[1] and abs(remainder(where - place[0], turn)) <= SAME for where, joint in others)
+
+
 def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...], tuple[int, Sequence[End]]]:
     """By branches of dyads, the number of the circuit that a position is on, and where it meets others."""
-    turn, parts = tau if scene.driven_slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, End]]]()
+    turn, parts = tau if scene.driven_slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, ...]]]()
     for branches in product((1, -1), repeat=len(whole.groups)):
         groups: Any = (replace(group, branch=b) for group, b in zip(whole.groups, branches, strict=True))  # type: ignore[arg-type]
-        intervals = motion_range(scene, replace(whole, groups=tuple(groups))) or [((-inf, ""), (inf, ""))]
-        parts += ((branches, ends) for ends in intervals)
+        way = replace(whole, groups=tuple(groups))
+        met = change_points(scene, way)
+        touched = [place for n, place in enumerate(met) if not _known(place, met[:n], turn)]
+        for first, last in motion_range(scene, way) or [((-inf, ""), (inf, ""))]:
+            whole_way = first[0] == -inf
+            within = [p for p in touched if whole_way or (p[0] - first[0]) % turn <= last[0] - first[0]]
+            parts.append((branches, (first, *within, last)))
 
     apart = {group.P for group in whole.groups if guides_cross(group)}
 
@@ -124,7 +135,7 @@ def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...
     count, here = range(len(parts)), dict[tuple[Any, ...], tuple[int, Sequence[End]]]()
     circuit = together(np.array([[one == other or meet(one, other) for other in count] for one in count]))
     for number, (branches, ends) in enumerate(parts):  # none in a gap that is too narrow to be seen
-        (start, _), (end, _) = ends
+        (start, _), *_, (end, _) = ends
         if not (at - start + SAME) % turn > end - start + 2 * SAME:
             met = [end for end in ends if end[1] and end[1] not in apart]
             here.setdefault(branches, (int(circuit[number]), met))

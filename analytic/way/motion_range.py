@@ -1,6 +1,7 @@
 """How far the drive can move, and what stops it: its way sampled, and the places between two samples by bisection."""
 
 from collections.abc import Callable
+from functools import partial
 from math import ceil, inf, pi
 from typing import TypeAlias
 
@@ -17,6 +18,7 @@ from ..core.placing import Kinematics
 
 SAMPLES = 3600  # of a turn, or a driven slider's way: what changes twice between two of them is not seen
 BISECTIONS = 60  # from the whole way down to the last place
+ROUNDED = 16 * np.finfo(float).eps  # of the largest coordinate: what does not reach by less may be in line all the way
 End: TypeAlias = tuple[float, str]  # a position of the drive, rad or m, and the joint of the group singular there
 
 
@@ -26,10 +28,18 @@ def motion_at(scene: Scene, linkage: Linkage, position: Samples, *, rates: bool 
         return kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0)), rates=rates)
 
 
-def changes(holds: Callable[[Samples], NDArray[np.bool_]], least: float, most: float) -> tuple[Samples, Samples]:
-    """Find where a condition begins or ceases to hold: the last places on a way without it and with it, shape (n,)."""
+def changes(
+    holds: Callable[[Samples], NDArray[np.bool_]],
+    least: float,
+    most: float,
+    held_about: Callable[[Samples], NDArray[np.bool_]] | None = None,
+) -> tuple[Samples, Samples]:
+    """Find where a condition begins or ceases to hold: the last places on a way without it and with it, shape (n,).
+
+    It is sampled by `held_about`, where that is given: the condition but for roundings.
+    """
     way = np.linspace(least, most, SAMPLES + 1)
-    held = holds(way)
+    held = (held_about or holds)(way)
     (before,) = np.nonzero(held[1:] != held[:-1])
     ends = np.stack([way[before], way[before + 1]])
     return _bisected(holds, *np.where(held[before], ends[::-1], ends))
@@ -60,7 +70,8 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
     """
     turn, start = 2 * pi if scene.driven_slide is None else inf, scene.drive.start
     least, most = scene.drive.extent if turn == inf else (start, start + turn)
-    without, within = changes(lambda x: unreached(scene, linkage, x) == "", least, most)
+    holds, about = (partial(_reached, scene, linkage, rounded=off) for off in (0.0, ROUNDED))
+    without, within = changes(holds, least, most, about)
     if not len(within):
         return []
     ends = [(float(x), str(joint)) for x, joint in zip(within, unreached(scene, linkage, without), strict=True)]
@@ -75,11 +86,29 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
     return sorted(intervals)
 
 
-def unreached(scene: Scene, linkage: Linkage, position: Samples) -> NDArray[np.str_]:
-    """Name for each position the inner joint of the first group that does not reach, or none by an empty text."""
-    reach = motion_at(scene, linkage, position).reach
-    fails = [np.broadcast_to(~(each >= 0), position.shape) for each in (np.array(0.0), *reach.values())]
-    return np.asarray(np.array(["", *reach])[np.argmax(fails, axis=0)])
+def _reached(scene: Scene, linkage: Linkage, position: Samples, rounded: float) -> NDArray[np.bool_]:
+    return np.asarray(unreached(scene, linkage, position, rounded) == "")
+
+
+def unreached(scene: Scene, linkage: Linkage, position: Samples, rounded: float = 0.0) -> NDArray[np.str_]:
+    """Name for each position the inner joint of the first group that does not reach, or none by an empty text.
+
+    A dyad that is short of it by no more than `rounded` of the largest coordinate is taken to reach: in one assembly it
+    may be in line all the way, as in a rhombus that is folded.
+    """
+    k, lost = motion_at(scene, linkage, position), rounded * extent_of(scene)
+    names = ["", *k.reach]
+    fails = [np.broadcast_to(~(each >= 0), position.shape) for each in (np.array(0.0), *k.reach.values())]
+    first = np.argmax(fails, axis=0)
+    for row, name in enumerate(names):
+        if rounded and name in k.to_lock:
+            first[(first == row) & (np.abs(np.broadcast_to(k.to_lock[name], position.shape)) <= lost)] = 0
+    return np.asarray(np.array(names)[first])
+
+
+def extent_of(scene: Scene) -> float:
+    """The largest distance of a sketched point from the origin, m: roundings are of it."""
+    return max(abs(complex(*place)) for place in scene.sketch.points.values())
 
 
 def describe(scene: Scene, linkage: Linkage, position: float) -> str:

@@ -12,10 +12,12 @@ from scenes.model.motion import kinematic_channels
 from ..core.decomposition import decompose
 from ..core.kinematics import followed
 from ..solve import prepared
-from .motion_range import motion_at, motion_range
+from .change_points import free_range
+from .motion_range import motion_at, motion_range, unreached
 
 BESIDE = np.array([1e-9, 1e-6, 1e-4])  # of the way, before the end: the last of the poses that a singular one leaves
-POSES = 145
+POSES = 361
+SAME = 1e-6  # rad or m: two places of the drive; where bars are in line roundings grow to their root
 
 
 def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | None:
@@ -36,12 +38,16 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     except Failure:
         return None
     ways = [(first, last) for (first, _), (last, _) in intervals]
+    turn = 2 * pi if scene.driven_slide is None else inf
+    free = free_range(scene, linkage) if at and not intervals else None
     if intervals:
         ends = [*intervals, *(interval[::-1] for interval in intervals)]
-        turn = 2 * pi if scene.driven_slide is None else inf
         (end, joint), (begin, _) = min(ends, key=lambda way: abs(remainder(way[0][0] - position, turn)))
     elif position != start:
         end, begin, ways = position, start, [(min(start, position), max(start, position))]
+    elif free and (near := [x for x in free if abs(remainder(x - position, turn)) <= SAME]):
+        (end,), ways = near[:1], [free]
+        begin = free[free[0] == end]
     else:
         end, begin = start, max(scene.drive.extent, key=lambda other: abs(other - start))
     way = end + (begin - end) * np.union1d(BESIDE, np.linspace(0, 1, POSES))
@@ -51,4 +57,6 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
         return None
     places = frozenset(c for c in kinematic_channels(scene)[2:] if c.rpartition(".")[2] in ("x", "y", "angle"))
     motion = prepared(scene, linkage, places)(way, np.zeros(len(way)))
-    return MotionRange(motion, joint, ways)
+    beyond = end + np.sign(end - begin) * BESIDE[1:2] * abs(end - begin)
+    meets = bool(joint) and unreached(scene, linkage, beyond)[0] == ""
+    return MotionRange(motion, joint, ways, meets)

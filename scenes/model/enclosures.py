@@ -39,6 +39,7 @@ class MotionRange:
     motion: Motion  # poses of points and bodies, SI, from where it stops back over the way that it goes
     joint: str  # by which it stops there: of a pin its point, of a slide its slider; empty where none is known
     ways: Sequence[tuple[float, float]]  # between which positions of the drive, rad or m, it goes
+    meets: bool = False  # whether that joint closes beyond it too, where another assembly meets this one
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,15 @@ def test_the_sketch_has_its_ring_in_words(tmp_path: Path) -> None:
     assert "this is the sketch alone; ringed: the joint that does not close, B." in page
 
 
+@pytest.mark.usefixtures("few_settings")
+def test_a_joint_where_assemblies_meet_is_not_called_open(tmp_path: Path) -> None:
+    file = scene_files.write(tmp_path, "parallelogram", {"drive.start": 0})
+    assert main([str(file), "--engines", "analytic", "--out", str(tmp_path)]) == 2
+    page = (tmp_path / "parallelogram" / "report.html").read_text(encoding="utf-8")
+    assert "ringed: where another way of assembling the bodies meets this one, C." in page
+    assert "does not close" not in page
+
+
 def test_the_joint_is_marked_where_it_is_drawn() -> None:
     """That of a guide at its slider's first point."""
     for name, changes, point in (("toggle_press", SHORT, "P3"), ("slotted_lever", {}, "A")):
