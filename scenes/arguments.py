@@ -1,6 +1,7 @@
 """What callers from Python pass, refused in one line where it is of another kind."""
 
 from collections.abc import Iterable, Mapping
+from numbers import Integral
 from typing import Any, NoReturn
 
 import numpy as np
@@ -9,10 +10,20 @@ from numpy.typing import NDArray
 from .errors import InputError, nearest, one_line
 from .scene import Scene
 
+MAX_COUNT = 10**12  # of what is counted: nobody waits for more
+
 
 def refuse(argument: str, expected: str, value: object) -> NoReturn:
     """Raise InputError for an argument that is not as expected."""
-    raise InputError(f"{argument}: expected {expected}, found {one_line(repr(value), 60)}")
+    raise InputError(f"{argument}: expected {expected}, found {shown(value)}")
+
+
+def shown(value: object) -> str:
+    """A value as messages show it, whatever it is."""
+    try:
+        return one_line(repr(value), 60)
+    except Exception:  # of anybody's classes, and of integers of thousands of digits
+        return f"a value of {type(value).__name__} without a text"
 
 
 def scene_of(value: object) -> Scene:
@@ -28,11 +39,25 @@ def check_changes(value: object) -> None:
         refuse("changes", "values by path, as {'bodies.rod.mass': 2}", value)
 
 
+def single_values(changes: object) -> dict[str, float | int | str]:
+    """Changes of one scene: texts and single numbers by path, or raise InputError."""
+    check_changes(changes)
+    assert isinstance(changes, Mapping)
+    return {path: _single(path, value) for path, value in changes.items()}
+
+
+def _single(path: str, value: object) -> float | int | str:
+    if isinstance(value, str):
+        return value
+    number = one_number(path, value)
+    return value if type(value) is int else number
+
+
 def names(argument: str, value: object) -> tuple[str, ...]:
     """Several names, or raise InputError; one text is not several."""
     several = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str | bytes) else (None,)
     if not all(isinstance(name, str) for name in several):
-        refuse(argument, f"several names{f', as {one_line(repr([value]), 60)}' * isinstance(value, str)}", value)
+        refuse(argument, f"several names{f', as {shown([value])}' * isinstance(value, str)}", value)
     return several
 
 
@@ -62,7 +87,23 @@ def doubles(argument: str, value: object) -> NDArray[np.float64]:
             return given.astype(np.float64)
     except (TypeError, ValueError):  # of ragged lists, and what is no number among others
         pass
+    except OverflowError:
+        refuse(argument, "numbers that fit a double, 1.8e308 at most", value)
     refuse(argument, "real numbers", value)
+
+
+def one_number(argument: str, value: object) -> float:
+    """A single real number that fits a double, or raise InputError."""
+    if isinstance(value, bool) or np.ndim(numbers := doubles(argument, value)):
+        refuse(argument, "a number", value)
+    return float(numbers)
+
+
+def whole_number(argument: str, value: object, *, most: int = MAX_COUNT) -> int:
+    """A whole number from 1, or raise InputError."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= int(value) <= most:
+        refuse(argument, f"a whole number from 1 to {most:,}", value)
+    return int(value)
 
 
 def finite_numbers(argument: str, value: object) -> NDArray[np.float64]:

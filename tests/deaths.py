@@ -109,10 +109,10 @@ FURTHER: Deaths = {
     "its group": (_end_the_group, Status.crashed, "its process ended by SIGTERM"),
     "no motion": (lambda: None, Status.crashed, "TypeError: expected scenes.Motion, found NoneType"),
     "samples of functions": (
-        lambda: Motion({"time": lambda: 0}),
+        lambda: Motion({"time": lambda: 0}),  # type: ignore[dict-item]
         Status.crashed,
         "time is of object, expected float64",
-    ),  # type: ignore[dict-item]
+    ),
 }
 ASLEEP: Deaths = {  # which only the time on the wall ends
     "asleep": (lambda: time.sleep(600), Status.timed_out, "no answer within"),

@@ -144,6 +144,56 @@ def test_other_arguments(call: Callable[[], object], line: str) -> None:
     assert line in refused(call)
 
 
+NO_NUMBERS: dict[str, Any] = {
+    "an array": np.zeros(3),
+    "a list": [1.0, 2.0],
+    "pairs": [("bodies.rod.mass", 1.0)],
+    "beyond doubles": 10**400,
+    "without a text": 10**5000,
+    "none": None,
+    "a truth value": True,
+    "complex": 1j,
+    "an object": object(),
+}
+WHERE_ONE_IS_MEANT: dict[str, Call] = {
+    "off": lambda value: analytic.enclose(PRESS, {"P5.y"}, off={"bodies.rod.mass": value}),
+    "accuracy": lambda value: analytic.enclose(PRESS, {"P5.y"}, accuracy=value),
+    "Grid's first": lambda value: analytic.Grid(value, 1.0, 3),
+    "Grid's last": lambda value: analytic.Grid(0.0, value, 3),
+    "Grid's count": lambda value: analytic.Grid(0.0, 1.0, value),
+    "Extremes' machines": lambda value: analytic.Extremes("P5.y", value),
+    "Extremes' channel": lambda value: analytic.Extremes(value),
+    "Integral's machines": lambda value: analytic.Integral("P5.y", value),
+    "a reduction": lambda value: analytic.reduce_many(PRESS, MANY, [0.5], [value]),
+    "a change": lambda value: scenes.load("toggle_press", {"bodies.rod.mass": value}),
+    "samples": lambda value: compare.check("four_bar", samples=value),
+}
+WHERE_A_TABLE_IS_MEANT: dict[str, Call] = {
+    "off": lambda value: analytic.enclose(PRESS, {"P5.y"}, off=value),
+    "changes": lambda value: scenes.load("toggle_press", value),
+    "changes of many": lambda value: analytic.reduce_many(PRESS, value, [0.5], [analytic.Extremes("P5.y")]),
+}
+
+
+@pytest.mark.parametrize("where", WHERE_ONE_IS_MEANT)
+@pytest.mark.parametrize("name", NO_NUMBERS)
+def test_what_is_no_single_number(where: str, name: str) -> None:
+    assert "expected" in refused(lambda: WHERE_ONE_IS_MEANT[where](NO_NUMBERS[name]))
+
+
+@pytest.mark.parametrize("where", WHERE_A_TABLE_IS_MEANT)
+@pytest.mark.parametrize("name", NO_NUMBERS.keys() - {"none"})
+def test_what_is_no_table(where: str, name: str) -> None:
+    assert "by path, as {'bodies.rod.mass'" in refused(lambda: WHERE_A_TABLE_IS_MEANT[where](NO_NUMBERS[name]))
+
+
+def test_reductions_of_another_number_of_machines() -> None:
+    line = refused(lambda: analytic.reduce_many(PRESS, MANY, [0.5], [analytic.Extremes("P5.y")]))
+    assert line == "reductions: expected Extremes('P5.y', 2), found 1"
+    assert "edges: expected two numbers" in refused(lambda: analytic.Histogram("P5.y", [1.0, 0.0]))
+    assert "position: expected a number" in refused(lambda: analytic.assemblies(PRESS, [0.1, 0.2]))
+
+
 def test_numbers_of_numpy_and_exact_ones_are_numbers() -> None:
     assert compare.check("four_bar", ("analytic",), samples=np.int64(24)).ok
     assert analytic.solve(PRESS, [Fraction(1, 2)])["P5.y"] == analytic.solve(PRESS, [0.5])["P5.y"]

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.arguments import finite_numbers, scene_of
+from scenes.arguments import finite_numbers, refuse, scene_of
 from scenes.model.enclosures import Assemblies, Assembly
 from scenes.model.motion import Samples, kinematic_channels
 
@@ -59,7 +59,10 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
     Raises:
         Failure: the linkage does not decompose, or a larger group does not close near the sketch.
     """
-    at = finite_numbers("position", scene_of(scene).sketch.drive if position is None else position).reshape(1)
+    at = finite_numbers("position", scene_of(scene).sketch.drive if position is None else position)
+    if at.size != 1:
+        refuse("position", "a number", position)
+    at = at.reshape(1)
     whole, complete = decompose(scene), True
     drawn, ways = followed(scene, whole), [replace(whole, groups=())]
     for group in whole.groups:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
-from scenes.arguments import finite_numbers, known_names, refuse, scene_of
+from scenes.arguments import finite_numbers, known_names, one_number, refuse, scene_of
 from scenes.drive import ConstantSpeed
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
@@ -60,9 +60,11 @@ def enclose(
             that the drive makes.
     """
     numbers = scene_of(scene).numbers
+    if off is not None and not isinstance(off, Mapping):
+        refuse("off", "numbers by path, as {'bodies.rod.mass': 0.1}", off)
     known_names("off", off or {}, numbers)
-    finite_numbers("off", [*(off or {}).values()])
-    if not finite_numbers("accuracy", accuracy) > 0:
+    off = {path: float(finite_numbers(f"off: {path}", one_number(path, by))) for path, by in (off or {}).items()}
+    if not finite_numbers("accuracy", one_number("accuracy", accuracy)) > 0:
         refuse("accuracy", "a number above zero", accuracy)
     if (
         isinstance(turns, bool)
@@ -71,7 +73,7 @@ def enclose(
         or (turns > 1 and not scene.drive.periodic)
     ):
         refuse("turns", "a whole number from 1" if scene.drive.periodic else "1 of a drive that runs once", turns)
-    boxes = Boxes(scene, names, off or {})
+    boxes = Boxes(scene, names, off)
     return over_cycles(boxes, turns, lambda some: _extremes(some, accuracy))
 
 

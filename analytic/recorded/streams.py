@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Scene, Status
-from scenes.arguments import finite_numbers, refuse, scene_of
+from scenes.arguments import finite_numbers, one_number, refuse, scene_of, whole_number
 from scenes.model.motion import Samples
 
 from .arithmetics.in_numpy import BLOCK, blocks
 from .fast import machine_line
 from .many import many_solver, told
+
+MAX_MACHINES = 10**9  # of one reduction, which has some numbers of each
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,11 @@ class Grid:
     first: float
     last: float
     count: int
+
+    def __post_init__(self) -> None:
+        finite_numbers("first", one_number("first", self.first))
+        finite_numbers("last", one_number("last", self.last))
+        whole_number("count", self.count)
 
     @property
     def shape(self) -> tuple[int]:
@@ -44,11 +51,15 @@ class Reduction(Protocol):
         """Take a block: some machines, positions of shape (columns,) or (rows, columns), samples (rows, columns)."""
 
 
+def _channel(name: object) -> str:
+    return name if isinstance(name, str) else refuse("channel", "a name, as 'P5.y'", name)
+
+
 class Extremes:
     """Each machine's least and largest sample, and the drive's positions there: shape (machines,) each."""
 
     def __init__(self, channel: str, machines: int = 1) -> None:
-        self.channel = channel
+        self.channel, machines = _channel(channel), whole_number("machines", machines, most=MAX_MACHINES)
         self.least, self.largest = np.full(machines, np.inf), np.full(machines, -np.inf)
         self.least_at, self.largest_at = np.full((2, machines), np.nan)
 
@@ -66,8 +77,8 @@ class Integral:
     """Each machine's integral over the drive's position by the trapezoidal rule, shape (machines,)."""
 
     def __init__(self, channel: str, machines: int = 1) -> None:
-        self.channel = channel
-        self.total = np.zeros(machines)
+        self.channel = _channel(channel)
+        self.total = np.zeros(whole_number("machines", machines, most=MAX_MACHINES))
         self._last: tuple[slice, Samples, Samples] | None = None
 
     def take(self, rows: slice, position: Samples, samples: Samples) -> None:
@@ -84,7 +95,9 @@ class Histogram:
     """How many samples of all machines are between edges, shape (edges - 1,)."""
 
     def __init__(self, channel: str, edges: ArrayLike) -> None:
-        self.channel, self.edges = channel, np.asarray(edges, np.float64)
+        self.channel, self.edges = _channel(channel), finite_numbers("edges", edges)
+        if self.edges.ndim != 1 or len(self.edges) < 2 or not (np.diff(self.edges) >= 0).all():
+            refuse("edges", "two numbers or more, from the least to the largest", edges)
         self.counts: NDArray[np.intp] = np.zeros(len(self.edges) - 1, np.intp)
 
     def take(self, rows: slice, position: Samples, samples: Samples) -> None:  # noqa: ARG002 - wherever they are
@@ -115,19 +128,15 @@ def reduce_many(
         Failure: as of `solve_many`.
         InputError: as of `solve_many`.
     """
-    if not isinstance(reductions, Sequence) or not all(hasattr(reduction, "channel") for reduction in reductions):
+    several = reductions if isinstance(reductions, Sequence) else [None]
+    if not all(isinstance(getattr(reduction, "channel", None), str) for reduction in several):
         refuse("reductions", "several, as [Extremes(...)]", reductions)
     positions = position if isinstance(position, Grid) else np.atleast_1d(finite_numbers("position", position))
     n, channels = positions.shape[-1], frozenset(reduction.channel for reduction in reductions)
     machines = max((np.size(values) for values in changes.values()), default=1) if isinstance(changes, Mapping) else 1
     many = many_solver(scene, changes, channels, machine_line(scene_of(scene), channels, machines * n))
+    for reduction in reductions:
+        kept = next((len(of) for of in vars(reduction).values() if isinstance(of, np.ndarray)), many.count)
+        if isinstance(reduction, Extremes | Integral) and kept != many.count:
+            refuse("reductions", f"{type(reduction).__name__}({reduction.channel!r}, {many.count})", kept)
     failed, done = dict(many.failed), 0
-    for rows, columns in blocks(many.count, n, 2 * BLOCK):
-        at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
-        samples = many.block(rows, at, None, failed)
-        for reduction in reductions:
-            reduction.take(rows, at, samples[reduction.channel])
-        done += (rows.stop - rows.start) * (columns.stop - columns.start)
-        if progress is not None:
-            progress(done, many.count * n)
-    return told(failed, many.count)

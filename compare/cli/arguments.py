@@ -1,6 +1,7 @@
 """The arguments of the main job."""
 
 import argparse
+import sys
 from argparse import ArgumentTypeError
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
@@ -110,8 +111,9 @@ def accuracy(text: str) -> Accuracy:
 def from_python(engines: object, **others: object) -> argparse.Namespace:
     """Arguments of a Python function, by the names of their options, as options; bad ones raise InputError."""
     for name in others.keys() & {"samples", "turns"}:
-        if isinstance(others[name], bool) or not isinstance(others[name], Integral):
-            refuse(name, "a whole number", others[name])
+        value = others[name]
+        if isinstance(value, bool) or not isinstance(value, Integral) or abs(int(value)) > sys.maxsize:
+            refuse(name, "a whole number", value)
     words = {"engines": ",".join(names("engines", engines)), **others}
     python = parser()
     python.usage = None

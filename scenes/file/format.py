@@ -1,8 +1,10 @@
 """The files as they are written, `format = 1`: keys, types, ranges. Numbers are in the units of the scene file."""
 
+from datetime import date, time
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict
+from pydantic_core import PydanticCustomError
 
 from .. import limits
 from ..bodies import BodyTable
@@ -15,6 +17,18 @@ from ..scene import LimitTable, VariationTable
 
 # To Python, True is 1.
 Format = Annotated[Literal[1], BeforeValidator(lambda value: str(value) if isinstance(value, bool) else value)]
+
+
+def _undated(value: Any) -> Any:
+    """What a mapping has, which is looked at when it is asked for; no model and no report takes a date."""
+    if isinstance(value, date | time):
+        raise PydanticCustomError("date", "expected a number or a text")
+    for part in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        _undated(part)
+    return value
+
+
+Undated = Annotated[Any, AfterValidator(_undated)]
 
 
 class Units(FileTable):
@@ -103,4 +117,4 @@ class SceneFile(FileTable):
     limits: dict[str, LimitTable] = Field(
         {}, max_length=limits.LOADS, description='By channel or magnitude, as "P1.force", what `--check` holds it to.'
     )
-    results: dict[Name, dict[str, Any]] = Field({}, description="By name how to read a result, for `--result`.")
+    results: dict[Name, dict[str, Undated]] = Field({}, description="By name how to read a result, for `--result`.")

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..arguments import check_changes, refuse
+from ..arguments import refuse, single_values
 from ..bodies import SlideTable
 from ..errors import InputError, at_place, nearest, one_line
 from ..fields import NAME, put, walk
@@ -55,7 +55,7 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
         InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
             the changes, the path in it, what was expected, and the nearest valid name.
     """
-    check_changes(changes)
+    changes = single_values(changes)
     place = file_of(name_or_path)
     tables = tables_of(place)
     file = label(place, changes)

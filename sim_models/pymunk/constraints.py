@@ -51,10 +51,15 @@ class LinkageConstraints:
         self._through = np.array([self.through(name) for name in slides], np.complex128)
         self._along = np.array([complex(*slide.along) for slide in slides.values()], np.complex128)
         arms = [arm for body in self.members.values() for arm in body.points.values()]
-        self.size = max(map(abs, [*arms, *self._through, *(complex(*point) for point in scene.ground.values())]))
+        places = [*arms, *self._through, *(complex(*point) for point in scene.ground.values())]
+        self.size = max(map(abs, places)) or self._way()
         if scene.driven_slide is not None:  # a point on its guide so far back that the body's first never gets there
             self.back = min(*scene.drive.extent, scene.sketched_drive) - self.size  # its displacement, m
             self.back_end = self.through(scene.drive.body) + self.back * complex(*scene.driven_slide.along)
+
+    def _way(self) -> float:
+        """How large a linkage counts whose points are all at the origin: as its drive's way, m."""
+        return float(np.ptp(self.scene.drive.extent)) if self.scene.driven_slide is not None else 1.0
 
     def arm(self, body: str, point: str) -> complex:
         """Where a point is from its body's origin, m, in the body's frame."""

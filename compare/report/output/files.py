@@ -28,7 +28,7 @@ from ..plain import json_text
 from ..tables import TableRows
 from ..tables import study as tables
 from .earlier import Before, json_of
-from .placing import placed, remove, replace_file
+from .placing import ESCAPED, placed, remove, replace_file
 
 if TYPE_CHECKING:
     from ...measure.many.family import Family
@@ -145,8 +145,8 @@ def _result(
     with placed(folder, place.name, own) as aside:
         yield aside, place
         head = {"complete": complete, "made_from": origin(scene, place), **known}
-        (aside / own[1]).write_text(json_text(head), encoding="utf-8")
-        (aside / own[0]).write_text(page(), encoding="utf-8")
+        (aside / own[1]).write_text(json_text(head), encoding="utf-8", errors=ESCAPED)
+        (aside / own[0]).write_text(page(), encoding="utf-8", errors=ESCAPED)
     if complete:
         remove(unfinished, own)
 
@@ -188,7 +188,7 @@ def check_origin(scene: Scene, place: Path) -> None:
 def _write_table(given: TableRows, file: Path, columns: Sequence[str] = ()) -> None:
     """Write rows, of which each may lack some columns; a cell of what is missing or not a number is empty."""
     rows = [*given]
-    with file.open("w", encoding="utf-8", newline="") as text:
+    with file.open("w", encoding="utf-8", errors=ESCAPED, newline="") as text:
         every = dict.fromkeys((*columns, *(column for row in rows for column in row)))
         table = csv.DictWriter(text, every, lineterminator="\n")
         table.writeheader()
@@ -197,7 +197,7 @@ def _write_table(given: TableRows, file: Path, columns: Sequence[str] = ()) -> N
 
 def _write_motion(motion: Motion, file: Path) -> None:
     """Write a motion's table: pandas takes three times as long for the same text, and a copy of it all."""
-    with file.open("w", encoding="utf-8", newline="\n") as text:
+    with file.open("w", encoding="utf-8", errors=ESCAPED, newline="\n") as text:
         text.write(",".join(map(header, motion.samples)) + "\n")
         rows = zip(*(values.data for values in motion.samples.values()), strict=True)  # of Python's own floats
         text.writelines(",".join(map(repr, row)) + "\n" for row in rows)

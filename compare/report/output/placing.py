@@ -20,6 +20,7 @@ from scenes import InputError
 
 PATIENCE, TRIES = 2.0, 100  # s without a lock until that is told, and how often it is tried until then
 OLDER = "-older"  # after the name of a folder aside: the older result, where no exchange in one step is possible
+ESCAPED = "backslashreplace"  # of files: what UTF-8 lacks of a name that did not decode, as its escape
 AT_FOLDER, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
 
 
@@ -108,7 +109,7 @@ def replace_file(file: Path, text: Callable[[], str]) -> None:
             left.unlink()
         aside = _aside(file)
         try:
-            aside.write_text(text(), encoding="utf-8")
+            aside.write_text(text(), encoding="utf-8", errors=ESCAPED)
             aside.replace(file)
         finally:
             aside.unlink(missing_ok=True)

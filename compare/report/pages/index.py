@@ -1,6 +1,7 @@
 """The page with all reports of a folder, a row each, by their `summary.json`."""
 
 from base64 import b64encode
+from os import fsencode
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -34,7 +35,7 @@ def _row(folder: Path, known: Summary) -> dict[str, Any]:
     return {
         "title": title,
         "folder": folder.name,
-        "link": quote(f"{folder.name}/report.html") if (folder / "report.html").is_file() else "",
+        "link": quote(fsencode(folder.name) + b"/report.html") if (folder / "report.html").is_file() else "",
         "stopped": not known.complete,
         "agreement": Agreement(Word[known.verdict["word"]], known.verdict["sentence"]),
         "picture": b64encode(known.picture.encode()).decode(),  # as an image: no script of it can run

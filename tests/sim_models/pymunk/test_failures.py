@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -205,3 +206,19 @@ def test_the_run_up_is_no_longer_than_a_cycle() -> None:
     quick = replace(PRESS, drive=replace(PRESS.drive, speed=1000 * PRESS.drive.speed))
     settings = PymunkSettings("", 72, 1, 100, correction=None)
     assert pymunk_model.build(quick, settings, Sampling(72)).counters["steps"] == 2 * 72
+
+
+def test_a_linkage_whose_points_are_all_at_one_place(tmp_path: Path) -> None:
+    """Its size is the way of its drive; at an even 0.5 m/s along 45 deg the drive lifts m g sin 45 deg."""
+    text = (
+        'format = 1\nname = "plate"\ngravity = [0, -9.80665]\nground.points = { G = [0, 0] }\n'
+        "bodies.plate = { points = { P = [0, 0] }, mass = 1, com = [0, 0], inertia = 1, "
+        "slides = { through = [0, 0], along = [1, 1] } }\n"
+        'drive = { body = "plate", speed = 0.5, start = 0, end = 2.5 }\n'
+        'sketch = { displacement = 0, P = [0, 0] }\noutput = { slider = "P" }\n'
+    )
+    (file := tmp_path / "plate.toml").write_text(text, encoding="utf-8")
+    motion = solve(scenes.load(file), sampling=Sampling(24))
+    half = 9.80665 / 2**0.5  # N
+    for channel in ("drive.force", "plate.guide_force"):
+        assert not (abs(motion[channel] - half).max() > 1e-12 * half)  # round-off of one division
