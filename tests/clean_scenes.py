@@ -20,14 +20,17 @@ from scenes.fields import put, walk
 from scenes.file.reader import numbers_in, tables_of
 from scenes.scene import GROUND, Body, ConstantSpeed, Drive, Load, Moment, MotionLaw, Spring, TorsionSpring
 
+from . import remainder_scenes as remainders
 from . import scene_files
 from .element_scenes import element_scenes
 from .linkage_scenes import linkages
 from .moving_drives import DRIVES
+from .remainder_scenes import PREFIX, with_a_rough_sketch, with_a_small_stroke
 
 KINDS = ("RRR", "RRP", "RPR", "PRP", "RPP")  # of the first dyad
 CLASS_III = ("class_iii", "class_iii_among_dyads", "slotted_class_iii")
 EVERY = 16  # so many scenes, one of class III
+FOURTH = 4  # so many scenes, one of small remainders; of these every third of a small stroke
 OFF = 0.02  # of every length of class III: it stays far from lock
 
 
@@ -48,21 +51,41 @@ ANGLES = (("rad", 1.0), ("deg", degrees(1.0)))
 SIZES = st.builds(Sizes, *map(st.sampled_from, (LENGTHS, MASSES, FORCES, ANGLES)))
 
 
-def clean_scenes(folder: Path, count: int, *, elements: bool = False) -> list[Scene]:
-    """Scenes that were written to a folder and read from there; with elements and drives of every kind, or plain."""
+def clean_scenes(folder: Path, count: int, *, elements: bool = False, rough: bool = False) -> list[Scene]:
+    """Scenes that were written to a folder and read from there; with elements and drives of every kind, or plain.
+
+    Rough ones have no exact sketch; and of plain ones every fourth is a small remainder, see `remainder_scenes`.
+    """
     clean = []
     for number in range(count):
         if number % EVERY == EVERY - 1 and not elements:
             clean.append(_class_iii(number // EVERY))
             continue
+        if number % FOURTH == 1 and rough and not elements:
+            clean.append(_remainder(folder, number // FOURTH))
+            continue
         kind = KINDS[number % len(KINDS)]
         scene, sizes = _drawn(
             number, element_scenes(kind, DRIVES[number % len(DRIVES)]) if elements else linkages(kind)
         )
+        if rough:
+            scene = with_a_rough_sketch(scene, np.random.default_rng(number))
         file = folder / f"clean_{number:03d}.toml"
         file.write_text(scene_files.toml(tables(replace(scene, name=file.stem), sizes)), encoding="utf-8")
         clean.append(scenes.load(file))
     return clean
+
+
+def _remainder(folder: Path, number: int) -> Scene:
+    """A scene of small remainders, see `remainder_scenes`."""
+    if number % 3 == 1:
+        scene, _ = _drawn(number, linkages(KINDS[number % len(KINDS)]))
+        small = with_a_small_stroke(scene, np.random.default_rng(number))
+        return replace(small, name=f"{PREFIX}_stroke_{number:03d}")
+    written = remainders.tables_of(number)
+    file = folder / f"{written['name']}.toml"
+    file.write_text(scene_files.toml(written), encoding="utf-8")
+    return scenes.load(file)
 
 
 def _drawn(number: int, strategy: st.SearchStrategy[Scene]) -> tuple[Scene, Sizes]:

@@ -73,7 +73,8 @@ def records(
     scene: Scene, wanted: dict[int, tuple[Accuracy, ...]], engines: Sequence[str] = ENGINES
 ) -> Iterator[PromiseRecord]:
     """Yield the verdicts of every engine on a scene, by samples a cycle and accuracy, beside the truth."""
-    truth, core = Truth(scene), 0.0 if scene.friction else core_error(scene)
+    truth = Truth(scene)
+    core = 0.0 if scene.friction or truth.is_remainder else core_error(scene)
     with _shared():
         for samples, accuracies in wanted.items():
             for accuracy in accuracies:

@@ -71,9 +71,16 @@ class WorstError(NamedTuple):
     position: float  # on the axis of curves and tables, SI: rad, m, or s under a law; NaN of the floor, found nowhere
 
 
-def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = ()) -> WorstError | None:
-    """The largest error of an engine in some channel groups or all, NaN above any; None where nothing was compared."""
+def worst_error(
+    scene: Scene, measurement: Measurement, groups: Sequence[str] = (), *, faults: bool = False
+) -> WorstError | None:
+    """The largest error of an engine in some channel groups or all, NaN above any; None where nothing was compared.
+
+    With `faults` it is of those that nothing explains, where there is one.
+    """
     rows = [row for row in measurement.errors if not groups or row.group in groups]
+    if faults:
+        rows = [row for row in rows if not row.unexplained <= row.floor] or rows
     if not rows:
         return None
     row = worst_of(rows)
@@ -228,7 +235,7 @@ def _contradiction(judged: Judgement, others: Sequence[Measurement]) -> str:
     off = [m for m in others if m.run.status in CONTRADICTS]
     if off:
         worst = max(off, key=lambda m: _size(judged, m))
-        error = worst_error(judged.scene, worst)
+        error = worst_error(judged.scene, worst, faults=True)
         by = f" by {sized(error.size)}" if error and isfinite(error.size) else ""
         names, verb = _listed([m.run.engine for m in off]), "disagrees" if len(off) == 1 else "disagree"
         which = "" if len(off) == 1 else f", most of all {worst.run.engine}"

@@ -96,6 +96,17 @@ def test_friction_is_excused_what_its_joints_are() -> None:
     assert result.ok
 
 
+def test_what_round_off_leaves_of_an_engine_is_named() -> None:
+    """A spring of 1e11 N along the crank leaves more of the drive's torque than the 1e-7 that Exudyn promises."""
+    spring = {"between": ["ground.A", "crank.B"], "stiffness": 1e12, "length": 0.5}
+    scene = scene_files.load("loaded_four_bar", {"springs": [spring]})
+    result = check(scene, engines=("analytic", "exudyn"), samples=36, accuracy="exact")
+    assert result.verdicts["exudyn"] == ("ok", "")
+    (line,) = (line for line in result.reasons if line.startswith("exudyn"))
+    assert "where 1e-07 is promised: round-off explains up to" in line
+    assert "the spring between ground.A and crank.B, 1e+11 N, cancels in it" in line
+
+
 @pytest.mark.parametrize(("frequency", "terms"), [(FREE, 10.0), (1.5915, 10 * (1 - (2 * pi * 1.5915 / 10) ** 2))])
 def test_a_wrong_effort_is_still_found(frequency: float, terms: float) -> None:
     """Of what the drive has to do half a millionth; where that is nothing, of the spring's 10 N."""
