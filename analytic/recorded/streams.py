@@ -140,3 +140,12 @@ def reduce_many(
         if isinstance(reduction, Extremes | Integral) and kept != many.count:
             refuse("reductions", f"{type(reduction).__name__}({reduction.channel!r}, {many.count})", kept)
     failed, done = dict(many.failed), 0
+    for rows, columns in blocks(many.count, n, 2 * BLOCK):
+        at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
+        samples = many.block(rows, at, None, failed)
+        for reduction in reductions:
+            reduction.take(rows, at, samples[reduction.channel])
+        done += (rows.stop - rows.start) * (columns.stop - columns.start)
+        if progress is not None:
+            progress(done, many.count * n)
+    return told(failed, many.count)
