@@ -251,7 +251,11 @@ def _fewest(placed: _Placed, left: list[str]) -> Group:
     groups = (larger_group(placed, bodies) for bodies in subsets)
     group = next(group for group in groups if _held(group) >= 0)
     if _held(group) > 0 or not group.hangs_on:
-        raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(group.bodies)}")
+        from scenes.file.freedoms import loose_bodies  # late: only a linkage that is refused needs it
+
+        loose = ", ".join(loose_bodies(placed.scene))
+        others = f", and {loose} can move while the drive is held" if loose else ""
+        raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(group.bodies)}{others}")
     return group
 
 

@@ -34,7 +34,8 @@ def cause(scene: Scene, mobility: int) -> str:
         return _superfluous(scene)
     if meant := slips(scene, scene.owners):
         return meant
-    loose, count = _loose(scene), Counter(body for joint in _joints(scene) for body in (joint.first, joint.second))
+    loose = loose_bodies(scene)
+    count = Counter(body for joint in _joints(scene) for body in (joint.first, joint.second))
     ends = [name for name in dict.fromkeys((*loose, scene.drive.body)) if count[name] < 2]
     held = [held for name in ends[:LISTED] if (held := _held_by_one(scene, name))]
     return "; ".join(filter(None, (", ".join(held) or _chain(loose), ", ".join(_alone(scene, loose, ends)[:LISTED]))))
@@ -89,7 +90,7 @@ def _pattern(scene: Scene, bodies: Iterable[str], joints: Iterable[Joint]) -> Pa
     return [[first[body] + k for body in pair if body in first for k in range(3)] for pair in ends]
 
 
-def _loose(scene: Scene) -> list[str]:
+def loose_bodies(scene: Scene) -> list[str]:
     """The bodies that can move while the drive is held, in the order of the file."""
     pattern = _pattern(scene, scene.bodies, _joints(scene))
     equation = matched(pattern)
