@@ -48,7 +48,8 @@ def page_program(
         the input that each finds, the `text` of a function of the same kind, of its `numbers` and what is `given`, for
         a slider's displacement, m, its rate and the sign in which it closes; `gaps`, a `text` of the same kind that is
         negative where one of `joints` does not close, the first of them being why the others do not; where that is
-        `balance`, a few steps do not find what may be there.
+        `balance`, a few steps do not find what may be there; `loads`, a `text` of the same kind that fills the force
+        along x and along y, N, of each load at its `places` in the file.
 
     Raises:
         Failure: as of `solver`.
@@ -70,6 +71,10 @@ def page_program(
         "line": line["text"],
         "given": {name: np.broadcast_to(given[name], instants.shape) for name in line["given"]},
         "strokes": {place: script([*of, sense[place]]) for place, of in program.strokes.items()},
+        "loads": {
+            "places": [*program.loads],
+            **script([part for load in program.loads.values() for part in (load.x, load.y)]),
+        },
         "gaps": {
             "balance": BALANCE,
             "joints": [name.partition(" (")[0] for name in program.conditions],

@@ -16,11 +16,11 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import ConstantSpeed, Friction, PressForce, Spring, TorsionSpring
+from scenes.scene import ConstantSpeed, Friction, Moment, PressForce, Spring, TorsionSpring
 
 from ..channels import all_channels, asked, of_larger
 from ..core.decomposition import Linkage, decompose
-from ..core.elements import wound
+from ..core.elements import acts, wound
 from ..core.friction import Loads, Rubbing
 from ..core.geometry import as_complex
 from ..core.groups.continuation import Track
@@ -49,6 +49,7 @@ class Program:
     channels: Mapping[str, Expression]
     strokes: Mapping[str, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
     conditions: Mapping[str, Expression]  # by what does not close where it is negative, or else may be closed twice
+    loads: Mapping[str, Traced]  # by place in the file, of those that are forces
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
 
     @cached_property
@@ -87,7 +88,7 @@ def recorded(
         driven = driven._replace(rate=traced(make, opened.drive.speed), acceleration=traced(make, 0.0))
     way = RecordedPass(make, opened, linkage, driven)
     k = way.solve().k
-    on = Reactions()
+    on, loads = Reactions(), dict[str, Traced]()
     strokes: dict[str, tuple[Expression, Expression]] = {}
     if request.wants_forces(scene):
         for place, load in scene.presses.items():
@@ -95,7 +96,13 @@ def recorded(
             strokes[place] = s, ds
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
-        on = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k).solve()
+        balance = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k)
+        on = balance.solve()
+        loads = {
+            f"loads.{number}": traced(make, next(acts(load, f"loads.{number}", balance))[1].force)
+            for number, load in enumerate(opened.loads)
+            if not (proven or isinstance(load, Moment))
+        }
     own = of_larger(linkage.groups)
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):
@@ -113,7 +120,7 @@ def recorded(
     drawn = {name: chosen(own * own > 0, 1.0, -1.0) for name, own in branches if isinstance(own, Traced)}
     conditions = {name: traced(make, one).x for name, one in (k.reach | drawn).items()}
     left = own if channels is None else own & channels
-    return Program(make, request, opened, linkage, way.closed, expressions, strokes, conditions, left)
+    return Program(make, request, opened, linkage, way.closed, expressions, strokes, conditions, loads, left)
 
 
 def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:

@@ -15,6 +15,7 @@ from scenes.errors import one_line, path_in_file
 from scenes.fields import quantity_at
 from scenes.scene import units_of_all
 
+from ..mechanics.quantities import spelled
 from ..report.output.earlier import Change, Json, Summary, SummaryError
 
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
@@ -59,7 +60,9 @@ def _differences(old: Json, new: Json, scene: Json | None = None) -> Iterator[tu
 
 
 def _shown(value: Any, unit: str, size: float) -> str:
-    return f"{value / size:.12g} {unit}".strip() if type(value) in (int, float) else one_line(str(value), 60)
+    if type(value) not in (int, float):
+        return one_line(str(value), 60)
+    return re.sub("^-", "−", f"{value / size:.12g} {spelled(unit)}".strip())
 
 
 def _leaves(value: Any, path: Place = ()) -> Iterator[tuple[Place, Any]]:  # what is nothing or empty has none
@@ -137,8 +140,8 @@ def _peaks(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
         if not (rounding or moved <= max(LEAST, *differ, 0.0)):
             unit, own = in_file(now.unit, new.scene)
             digits = 6 if moved > 1e-5 else 12
-            values = f"{now.value / own:.{digits}g} {unit}".strip(), f"{was.value / own:.{digits}g}"
-            moves.append((-moved, f"{name} ({of}) {values[0]}, was {values[1]}"))
+            values = [re.sub("^-", "−", f"{peak.value / own:.{digits}g}") for peak in (now, was)]
+            moves.append((-moved, f"{name} ({of}) {values[0]} {spelled(unit)}".rstrip() + f", was {values[1]}"))
     if moves:
         yield Change(f"peaks: {_few([text for _, text in sorted(moves)])}", worse=alike)
     if more := [f"{name} ({of})" for name, of in after if (name, of) not in before]:

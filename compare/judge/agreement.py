@@ -17,6 +17,7 @@ from ..engines import registry
 from ..engines.registry import REFERENCE
 from ..mechanics.axis import axis
 from ..mechanics.mechanics import SHOWN_GROUPS
+from ..mechanics.quantities import units
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained
 from .errors import ChannelError, worst_of
@@ -128,7 +129,7 @@ class Judgement:
             if m.run.status is Status.ok and m.run.engine != REFERENCE and m.run.motion and m.run.settings:
                 off = max(m.run.settings.promise, m.largest)  # which round-off may take beyond what is promised
                 runs.append(SampledRun(m.run.engine, m.run.motion, off, scale))
-        return list(held(self.scene, self.sampling, self.proof, runs))
+        return list(held(self.scene, self.sampling, self.proof, runs, units(self.reference)))
 
     @property
     def ok(self) -> bool:

@@ -8,10 +8,11 @@ import numpy as np
 
 from scenes import Motion, Sampling, Scene
 from scenes.model.enclosures import Enclosure, Enclosures
-from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity, unit_of
+from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
 from scenes.scene import LimitTable
 
 from ..mechanics.axis import axis, cycle_name
+from ..mechanics.quantities import Units, apart, limited, suited, with_unit
 
 NARROW = 1e-3  # of the drive's range: what is called one place
 MET, MISSED, OPEN = "met", "missed", "not decided"
@@ -53,11 +54,19 @@ def asked(scene: Scene, sampling: Sampling) -> frozenset[str] | None:
     return sampling.channels.union(name for name, of in magnitudes(scene).items() if sampling.channels.issuperset(of))
 
 
-def held(scene: Scene, sampling: Sampling, proof: Enclosures, runs: Sequence[SampledRun] = ()) -> Iterator[HeldLimit]:
+def held(
+    scene: Scene,
+    sampling: Sampling,
+    proof: Enclosures,
+    runs: Sequence[SampledRun] = (),
+    shown: Units | None = None,
+) -> Iterator[HeldLimit]:
     """Yield the scene's limits of what was asked for, held against what is proven, and against the samples of runs.
 
-    The first of the runs is the reference's. A limit is not met that a sample misses by more than its run may be off.
+    Texts are in the units shown, or else in the file's. The first of the runs is the reference's. A limit is not met
+    that a sample misses by more than its run may be off.
     """
+    shown = suited(scene.units, ()) if shown is None else shown
     known, wanted = {row[:2]: row for row in proof.rows}, asked(scene, sampling)
     for name, limits in scene.limits.items():
         if not (wanted is None or name in wanted):
@@ -74,17 +83,23 @@ def held(scene: Scene, sampling: Sampling, proof: Enclosures, runs: Sequence[Sam
         for row, limit, sign in zip(rows, (limits.least, limits.most), (-1, 1), strict=True):
             if limit is not None:
                 moved = row._replace(low=row.low + turn, high=row.high + turn)
-                yield _held(scene, moved, limit, sign, [*zip(runs, sampled, strict=True)], part)
+                yield _held(scene, moved, limit, sign, [*zip(runs, sampled, strict=True)], part, shown)
 
 
 def _held(
-    scene: Scene, row: Enclosure, limit: float, sign: int, runs: Sequence[tuple[SampledRun, Samples]], part: str
+    scene: Scene,
+    row: Enclosure,
+    limit: float,
+    sign: int,
+    runs: Sequence[tuple[SampledRun, Samples]],
+    part: str,
+    shown: Units,
 ) -> HeldLimit:
     """One limit, of the most or with the sign -1 of the least; a proof of a `part` of the run can only miss it."""
-    (unit, size), (inner, outer) = unit_of(scene, row.channel), sorted((sign * row.low, sign * row.high))
+    (factor, unit), (inner, outer) = limited(scene, row.channel, shown), sorted((sign * row.low, sign * row.high))
     outcome = MISSED if inner > sign * limit else MET if outer <= sign * limit and not part else OPEN
-    low, high = (f"{bound / size:.7g}" for bound in (row.low, row.high))
-    found = f"{low} {unit}" if low == high else f"between {low} and {high} {unit}"
+    low, high = (apart(factor * bound, factor * limit) for bound in (row.low, row.high))
+    found = with_unit(low if low == high else f"between {low} and {high}", unit)
     if isfinite(row.position_low):
         found += f" {place(scene, row[4:])}{part}"
     for number, (run, values) in enumerate(runs):
@@ -94,12 +109,14 @@ def _held(
         value, beyond = float(values[worst]), sign * (float(values[worst]) - limit)
         if beyond > 0:
             there = float(axis(scene).of(run.motion)[worst] / axis(scene).factor)
-            seen = f"{value / size:.7g} {unit} {place(scene, (there, there))} in the samples of {run.name}"
+            amount = with_unit(apart(factor * value, factor * limit), unit)
+            seen = f"{amount} {place(scene, (there, there))} in the samples of {run.name}"
             if beyond > run.off(scene, row.channel, value):
                 outcome, found = (OPEN, f"{found}, but {seen}") if number else (MISSED, seen)
             else:
                 found += f", and within its promise {seen}" * (number > 0)
-    text = f"{row.channel}: at {row.extreme} {limit / size:g} {unit} {outcome}: {found}"
+    allowed = with_unit(f"{factor * limit:,.7g}".replace("-", "−"), unit)
+    text = f"{row.channel}: at {row.extreme} {allowed} {outcome}: {found}"
     return HeldLimit(limit, row, outcome, text)
 
 
@@ -160,5 +177,4 @@ def place(scene: Scene, ends: tuple[float, float]) -> str:
     """A part of the drive's range, SI, as messages name it: where it is narrow, one place."""
     over, (low, high) = axis(scene), ends
     wide = high - low > NARROW * (scene.drive.cycle if over.channel == "time" else np.ptp(scene.drive.extent))
-    shown = (f"{round(end * over.factor, 9) + 0.0:.5g}" for end in (ends if wide else [(low + high) / 2]))
-    return f"{'from' if wide else 'at'} {' to '.join(shown)} {over.unit}"
+    return f"from {over.text(*ends)}" if wide else f"at {over.text((low + high) / 2)}"

@@ -1,11 +1,16 @@
 """Units that suit what is shown: prefixes, and what curves and tables run over."""
 
+import re
 from dataclasses import dataclass
-from math import floor, log10, pi
+from math import ceil, floor, log10, pi
+
+import numpy as np
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed
+
+MIN_PLACES = 2000  # of a cycle that its positions tell apart: a tenth of a degree, of a turn
 
 
 @dataclass(frozen=True)
@@ -16,6 +21,7 @@ class DriveAxis:
     unit: str
     channel: str
     factor: float  # from SI
+    decimals: int  # of a position
 
     @property
     def title(self) -> str:
@@ -26,14 +32,25 @@ class DriveAxis:
         """Where a motion's samples are on the axis, shape (n,)."""
         return self.factor * motion[self.channel]
 
+    def text(self, *positions: float) -> str:
+        """A position in SI, or a range of two: `204.7°`, `−10.00 to 10.00°`, `3.2 mm`; a place of zero as `0`."""
+        shown = (fixed(position * self.factor, self.decimals) for position in positions)
+        whole = " to ".join(dict.fromkeys(shown))
+        return f"{whole}°" if self.unit == "deg" else f"{whole} {self.unit}"
+
 
 def axis(scene: Scene) -> DriveAxis:
     """The drive's position at a constant speed; the time under a law, which may go to and fro."""
     if not isinstance(scene.drive, ConstantSpeed):
         factor, unit = prefixed(scene.drive.cycle, "s")
-        return DriveAxis("time", unit, "time", factor)
+        return DriveAxis("time", unit, "time", factor, _decimals(factor * scene.drive.cycle))
     unit, size = ("deg", pi / 180) if scene.driven_slide is None else scene.units["length"]
-    return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size)
+    span = float(np.ptp(scene.drive.extent))
+    return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size, _decimals(span / size))
+
+
+def _decimals(span: float) -> int:
+    return min(max(ceil(log10(MIN_PLACES / span) - 1e-9), 0), 12)
 
 
 def position_name(scene: Scene) -> str:
@@ -51,6 +68,12 @@ def turns_fully(scene: Scene) -> bool:
 def cycle_name(scene: Scene) -> str:
     """The name of a cycle of the drive."""
     return "turn" if turns_fully(scene) else "cycle"
+
+
+def fixed(value: float, decimals: int, sign: str = "") -> str:
+    """A number to some decimals; `0` where none of them is left."""
+    text = f"{value:{sign},.{decimals}f}".replace("-", "−")
+    return text if re.search("[1-9]", text) else "0"
 
 
 def prefixed(scale: float, unit: str) -> tuple[float, str]:

@@ -46,7 +46,7 @@ class CheckResult(Study):
 
     def svg(self, *, moving: bool = True) -> str:
         """The linkage as one SVG for a slide, without a script: moving by itself, or at the first sample."""
-        return by_itself(Drawing(self.scene, self.motion), FRAMES if moving else 0)
+        return by_itself(Drawing(self.scene, self.motion, named=units(self.reference)), FRAMES if moving else 0)
 
     def plot(self, channel: str) -> "Figure":
         """A figure of a channel, as `P5.ay`, by the reference and every engine that has it, with their errors below.
@@ -60,7 +60,8 @@ class CheckResult(Study):
         known = self.sampling.wanted(self.scene)[1:]
         if channel not in known:
             raise KeyError(f"{channel}: no such channel{nearest(channel, known)}")
-        factor, unit = prefixed(self.reference.scale[channel], UNITS[quantity(channel)])
+        si = UNITS[quantity(channel)]
+        factor, unit = units(self.reference).get(si) or prefixed(self.reference.scale[channel], si)
         curve = PlottedCurve(channel, unit, {channel: factor})
         return offline(over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,))))
 

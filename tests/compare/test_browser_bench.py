@@ -224,9 +224,9 @@ def test_a_linkage_with_a_larger_group_is_shown_and_not_edited(browser: "Browser
         assert not page.locator("#bench").count()
 
 
-def test_an_edit_takes_less_than_a_frame(bench: "Page") -> None:
-    """The best of some, since others use the machine too: 360 positions, and all that follows a typed number."""
-    solved, edited = bench.evaluate(
+def test_an_edit_takes_less_than_a_frame(browser: "Browser", bench: "Page") -> None:
+    """Of processor time, since others use the machine too: 360 positions, and all that follows a typed number."""
+    bench.evaluate(
         """async () => {
           const packed = Uint8Array.from(atob(document.getElementById("design").textContent), c => c.charCodeAt(0));
           const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
@@ -234,21 +234,34 @@ def test_an_edit_takes_less_than_a_frame(bench: "Page") -> None:
           const rows = [...data.channels, ""].map(() => new Float64Array(360));
           const given = Object.values(data.given).map(() => Float64Array.from({ length: 360 }, (_, n) => n / 57));
           const numbers = data.numbers.map(({ value }) => value), box = document.querySelector("#bench [type=number]");
-          const best = (run, times) => Math.min(...Array.from({ length: 20 }, () => {
-            const start = performance.now();
-            for (let n = 0; n < times; n++) run();
-            return (performance.now() - start) / times;
-          }));
-          const solve = () => line(numbers, given, rows, 360);
-          const edit = () => {
-            box.value = +box.value + 0.01;
-            box.dispatchEvent(new Event("input", { bubbles: true }));
+          window.solve = times => { while (times--) line(numbers, given, rows, 360); };
+          window.edit = times => {
+            while (times--) {
+              box.value = +box.value + 0.01;
+              box.dispatchEvent(new Event("input", { bubbles: true }));
+            }
           };
-          return [best(solve, 100), best(edit, 1)];
         }"""
     )
+    processes = browser.new_browser_cdp_session()
+
+    def taken(run: str, times: int) -> float:
+        """The processor time of one of so many runs, ms: the best of some, since others share the core's units."""
+
+        def used() -> float:
+            known = processes.send("SystemInfo.getProcessInfo")["processInfo"]
+            return sum(float(process["cpuTime"]) for process in known if process["type"] == "renderer")
+
+        best = np.inf
+        for _ in range(8):
+            before = used()
+            bench.evaluate(f"{run}({times})")
+            best = min(best, used() - before)
+        return 1e3 * best / times
+
+    solved, edited = taken("solve", 400), taken("edit", 10)
     bench.locator(".undo").click()
-    assert solved < 0.3  # ms
+    assert solved < 0.3
     assert edited < 16
 
 

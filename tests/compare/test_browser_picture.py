@@ -91,5 +91,5 @@ def test_many_forces_and_long_names_find_room(width: int, browser: "Browser", tm
         assert labelled_wrongly(page) == []
         values = page.locator("#linkage svg .value:visible").count()
         left = re.search(r"No room for (\d+) smaller ones", page.inner_text(".now"))
-        assert values > 5
+        assert values > 4  # of four digits each
         assert left is not None or width > 1000

@@ -1,5 +1,6 @@
 // What the reader changes: the picture, the curves and the peaks follow; nothing of it is cross-checked.
-const run = { numbers: numbers.slice(), ground: structuredClone(head.ground) }; // the reference's, as it was judged
+const groundOf = ground => byName(Object.entries(ground).map(([point, at]) => [point, [...at]]));
+const run = { numbers: numbers.slice(), ground: groundOf(head.ground) }; // the reference's, as it was judged
 const posed = bench.channels.filter(channel => channel in place && /\.(x|y|angle)$/.test(channel));
 const grounded = bench.numbers.flatMap(({ path, value }, k) => {
   const [table, , point, q] = path.split(".");
@@ -11,12 +12,20 @@ const stand = solved => { // by sample, itself or the nearest one that has a pos
   const nearest = n => poses.reduce((best, m) => (Math.abs(m - n) < Math.abs(best - n) ? m : best), poses[0] ?? -1);
   return rows.map(n => (hasPose(n) ? n : nearest(n)));
 };
+const pushes = bench.loads.places.flatMap(load => [`${load} x`, `${load} y`]); // as the picture has them
+const push = compiled(bench.loads.text);
+const pushed = number => { // the loads of a design that is solved, component by component
+  const { numbers: paths, given: names } = bench.loads, forces = pushes.map(() => new Float64Array(count));
+  push(paths.map(path => number[index[path]]), givenAt(names, number), forces, count);
+  return forces;
+};
 const fill = rows => {
   const from = stand(rows);
   bench.channels.forEach((channel, c) => channel in place && numbers.set(rows[c], place[channel]));
   for (const channel of posed)
     from.forEach((m, n) => (numbers[place[channel] + n] = m < 0 ? run.numbers[place[channel] + n] : rows[column[channel]][m]));
   for (const { point, q, k } of grounded) head.ground[point][q] = edited[k];
+  pushed(edited).forEach((force, k) => numbers.set(force.map((v, n) => (rows.at(-1)[n] >= 0 ? v : NaN)), place[pushes[k]]));
 };
 
 // --- the picture -----------------------------------------------------------------------------------------------------
@@ -51,8 +60,8 @@ const rowsIn = inTable(".numbers tbody").rows, rowsOut = inTable(".asked tbody")
 const judgedSizes = bench.asked.map((one, r) => {
   const [size] = asked(one, rowsOfDesign, design), was = Math.abs(size) > one.zero ? size : 0;
   const text = (...values) => {
-    const places = decimals(Math.abs(one.factor * (was || values[0])), 4);
-    return `${values.map(size => (Math.abs(size) <= one.zero ? "0" : written(one.factor * size, places))).join(" to ")} ${one.unit}`;
+    const shown = values.map(size => sized(one.factor * size, one.factor * (was || values[0]), one.factor * one.zero));
+    return withUnit(shown.join(" to "), one.unit);
   };
   rowsOut[r].cells[1].textContent = text(was);
   return { was, text };
@@ -64,8 +73,10 @@ const percent = (share, text) => {
   return Number(size) ? `${share < 0 ? "−" : "+"}${size} %` : "0 %";
 };
 const compare = () => bench.asked.forEach((one, r) => {
-  const [now, at] = asked(one, isEdited ? rowsNow : rowsOfDesign, edited), { was, text } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
-  cell.textContent = isEdited ? text(now) : "";
+  const isOpen = isEdited && unclosed(rowsNow).length; // a design that does not assemble everywhere has no peaks
+  const [now, at] = isOpen ? [NaN, 0] : asked(one, isEdited ? rowsNow : rowsOfDesign, edited);
+  const { was, text } = judgedSizes[r], [, , cell, change, where] = rowsOut[r].cells;
+  cell.textContent = isOpen ? "–" : isEdited ? text(now) : "";
   change.textContent = isEdited ? percent(100 * (Math.abs(now / was) - 1), share => share.toFixed(1)) : "";
   where.textContent = Number.isFinite(now) ? position(at) : "–";
 });
@@ -74,7 +85,7 @@ const update = () => {
   isEdited = edited.some((number, k) => number !== design[k] && bench.numbers[k].size);
   solve(edited, rowsNow);
   if (isEdited) fill(rowsNow);
-  else numbers.set(run.numbers), Object.assign(head.ground, structuredClone(run.ground));
+  else numbers.set(run.numbers), Object.assign(head.ground, groundOf(run.ground));
   document.body.classList.toggle("edited", isEdited);
   if (isEdited) force.value = force.value && 0, magnify.value = 0;
   force.disabled = magnify.disabled = isEdited;
@@ -140,6 +151,7 @@ const foot = (goal, [x, y], [u, v]) => { // of a point, on the line through anot
   return [x + share * u, y + share * v];
 };
 const dragged = (point, goal, n) => {
+  const before = edited.slice();
   for (const move of bench.points[point]) {
     if (move.ground) {
       move.ground.forEach((k, q) => k >= 0 && (edited[k] = goal[q]));
@@ -156,6 +168,7 @@ const dragged = (point, goal, n) => {
       for (const [k, other] of move.lengths) edited[k] = Math.hypot(...arm(there(other, n), goal));
     }
   }
+  if (!edited.every(Number.isFinite)) edited.set(before); // a foot on a line without a direction
   update();
 };
 for (const pin of svg.querySelectorAll("[data-point]:has(> .pin)")) {
@@ -173,7 +186,7 @@ for (const pin of svg.querySelectorAll("[data-point]:has(> .pin)")) {
 // --- the file, and back ------------------------------------------------------------------------------------------------
 
 const toml = () => {
-  const tables = structuredClone(bench.tables);
+  const tables = parsed(JSON.stringify(bench.tables));
   bench.numbers.forEach(({ path, size }, k) => {
     if (edited[k] === design[k] || !size) return;
     const parts = path.split("."), last = parts.pop(), turned = last.split("-").reverse().join("-");
@@ -181,13 +194,16 @@ const toml = () => {
     table[turned in table ? turned : last] = +(edited[k] / size).toPrecision(12);
   });
   const isTable = v => v && typeof v === "object" && !Array.isArray(v), isList = v => Array.isArray(v) && v.every(isTable) && v.length;
-  const key = name => (/^[\w-]+$/.test(name) ? name : JSON.stringify(name));
+  const quoted = text => JSON.stringify(text).replaceAll("\x7f", "\\u007f"); // as TOML has it
+  const number = v => (Number.isInteger(v) && !Number.isSafeInteger(v) ? v.toExponential() : String(v)); // it has 64 bits
+  const key = name => (/^[\w-]+$/.test(name) ? name : quoted(name));
   const pairs = (v, gap) => Object.entries(v).map(([name, part]) => `${key(name)} = ${inline(part)}`).join(gap);
-  const inline = v => Array.isArray(v) ? `[${v.map(inline).join(", ")}]` : isTable(v) ? `{ ${pairs(v, ", ")} }` : JSON.stringify(v);
+  const inline = v => Array.isArray(v) ? `[${v.map(inline).join(", ")}]` : isTable(v) ? `{ ${pairs(v, ", ")} }`
+    : typeof v === "number" ? number(v) : typeof v === "string" ? quoted(v) : String(v);
   const lines = [];
   const section = (name, v) => lines.push(`\n[${name}]\n${pairs(v, "\n")}`);
   const plain = Object.entries(tables).filter(([, v]) => !(isTable(v) || isList(v)));
-  lines.push(pairs(Object.fromEntries(plain), "\n"));
+  lines.push(pairs(byName(plain), "\n"));
   for (const [name, v] of Object.entries(tables)) {
     if (isList(v)) v.forEach(one => section(`[${name}]`, one));
     else if (isTable(v) && Object.values(v).every(isTable)) Object.entries(v).forEach(([inner, one]) => section(`${key(name)}.${key(inner)}`, one));
@@ -217,7 +233,7 @@ document.querySelector(".copy").onclick = async () => {
 };
 
 const away = selfDifference(), check = document.getElementById("self-check");
-const apart = `the numbers of the run to ${away.toExponential(0)} of each channel's peak`;
+const apart = `the numbers of the run${away ? ` to ${away.toExponential(0)} of each channel's peak` : ""}`;
 check.dataset.difference = away;
 inTable(".controls").hidden = !(away <= LIMIT);
 check.textContent = away <= LIMIT ? `This page solves the linkage by itself, by the formulas of the reference. It has ${apart}.`

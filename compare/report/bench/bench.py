@@ -25,8 +25,9 @@ from scenes.scene import ConstantSpeed, Spring, TorsionSpring
 from ...engines import registry
 from ...judge.proof import channels_of
 from ...measure.many.machines import draws
+from ...mechanics.quantities import spelled
 from ...study import Study
-from ..linkage.moving import MovingPicture
+from ..linkage.moving import ROUNDING, MovingPicture
 from ..numbers import units
 from ..pages.html import packed
 from ..plain import plain
@@ -34,7 +35,6 @@ from ..plain import plain
 Signs: TypeAlias = Mapping[str, int]  # by path, 1 or -1
 Sides: TypeAlias = list[list[str]]
 
-ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
 SEED, MACHINES = 0, 500  # of the machines that the page draws: as `--monte-carlo 500` does
 EXACT = 24  # samples of the run that are kept to the last digit, against which the page checks itself
 
@@ -200,7 +200,7 @@ class Bench:
                 least = -most if number.quantity.negative else 0
                 if path == "drive.speed":  # of the same sign: the positions are those of the run
                     least, most = (0, most) if number.value > 0 else (least, 0)
-                yield {"k": k, "path": path, "unit": unit, "least": least, "most": most}
+                yield {"k": k, "path": path, "unit": spelled(unit), "least": least, "most": most}
 
 
 def demands(scene: Scene, places: Mapping[str, int]) -> Iterator[Mapping[str, Any]]:

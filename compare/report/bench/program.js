@@ -1,15 +1,15 @@
 // The linkage solved in the page: the core's formulas as they were recorded, for numbers that the reader changes.
-const bench = JSON.parse(await unpacked("design"));
+const bench = parsed(await unpacked("design"));
 const table = document.getElementById("bench"), inTable = selector => table.querySelector(selector);
-const index = Object.fromEntries(bench.numbers.map(({ path }, k) => [path, k]));
+const index = byName(bench.numbers.map(({ path }, k) => [path, k]));
 const design = Float64Array.from(bench.numbers, ({ value }) => value), edited = design.slice();
-const given = Object.fromEntries(Object.entries(bench.given).map(([name, values]) => [name, Float64Array.from(values)]));
+const given = byName(Object.entries(bench.given).map(([name, values]) => [name, Float64Array.from(values)]));
 const rate = index["drive.speed"];
 const compiled = text => new Function(`return ${text}`)();
 await pause();
 const line = compiled(bench.line), strokes = Object.entries(bench.strokes).map(([name, s]) => [name, s, compiled(s.text)]);
 const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new Float64Array(n)); // the last: the reach
-const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
+const column = byName(bench.channels.map((channel, k) => [channel, k]));
 const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
 
 const largestAt = values => values.reduce((best, v, n) => (v > values[best] || Number.isNaN(values[best]) ? n : best), 0);
@@ -39,6 +39,10 @@ const inputs = (number, of = values => values) => Object.entries(given).map(([na
   const faster = name === "time" && rate !== undefined ? number[rate] / design[rate] : 1; // where a speed is edited
   return faster === 1 ? of(values, name) : of(values, name).map(time => time / faster);
 });
+const givenAt = (names, number) => {
+  const all = inputs(number);
+  return names.map(name => all[Object.keys(given).indexOf(name)]);
+};
 const lengthOf = ([x, y, u, v], number) => (y === undefined ? number[x] : Math.hypot(number[u] - number[x], number[v] - number[y]));
 const isFlat = (sides, number) => { // by Heron's formula, over the longest side
   const lengths = sides.map(side => lengthOf(side, number)), [a, b, c] = lengths.map(side => side / Math.max(...lengths));
@@ -73,8 +77,7 @@ const solve = (number, rows, by = line) => {
 let closing = null;
 const gaps = (open, number) => { // at some samples, what does not close
   const { joints, text, numbers: paths, given: names } = bench.gaps, rows = joints.map(() => new Float64Array(count));
-  const all = inputs(number), own = names.map(name => all[Object.keys(given).indexOf(name)]);
-  (closing ??= compiled(text))(paths.map(path => number[index[path]]), own, rows, count);
+  (closing ??= compiled(text))(paths.map(path => number[index[path]]), givenAt(names, number), rows, count);
   return [...new Set(open.map(n => joints[rows.findIndex(row => !(row[n] >= 0))]))];
 };
 const rowsNow = arrays(count), rowsOfDesign = solve(design.slice(), arrays(count));

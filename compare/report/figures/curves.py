@@ -10,7 +10,7 @@ from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
 from ...judge.errors import Comparison
-from ...mechanics.axis import axis, prefixed
+from ...mechanics.axis import axis
 from ...mechanics.mechanics import GROUPS
 from ...mechanics.reference import Reference
 from ...study import Study
@@ -206,12 +206,13 @@ def friction(study: Study) -> Figure:
     """Draw what each joint's friction takes, stacked, and the drive's effort with and without friction."""
     scene, motion, figure = study.scene, study.motion, stacked(1.0, 1.0)
     over, taken = axis(scene).of(motion), losses(scene, motion)
-    factor, watts = prefixed(float(np.abs(motion["friction.power"]).max()), "W")
+    named = units(study.reference)
+    factor, watts = named["W"]
     for number, (joint, power) in enumerate(taken.items()):
         line = {"color": colour(number), "width": 0.5}
         draw(figure, joint, over, factor * power, 1, line=line, stackgroup="losses")
     effort = scene.effort_channel
-    factor, unit = units(study.reference)[UNITS[quantity(effort)]]
+    factor, unit = named[UNITS[quantity(effort)]]
     draw(figure, "with friction", over, factor * motion[effort], 2, line={"color": DARK_GREY})
     free = {"color": DARK_GREY, "dash": "dot"}
     draw(figure, "without friction", over, factor * frictionless(scene, motion), 2, line=free)

@@ -27,7 +27,7 @@ const measured = text => ((ruler.font = FONT), ruler.measureText(text).width);
 const power = n => `10${String(n).replace(/./g, c => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻")}`;
 const short = v => {
   if (!Number.isFinite(v)) return "–";
-  return v && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6) ? grouped(v.toExponential(1).replace("e+", "e")) : tidy(v, 4);
+  return v && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6) ? grouped(v.toExponential(1).replace("e+", "e")) : written(v).replace(/(\..*?)0+$/, "$1").replace(/\.$/, "");
 };
 
 // Places on a scale, each with its text: multiples of 1, 2 or 5 times a power of ten, or some of `base`.

@@ -9,9 +9,9 @@ import numpy as np
 from scenes import Motion, Scene
 from scenes.scene import Body, Moment, PinFriction
 
-from ...mechanics.axis import prefixed
 from ...mechanics.elements import force
 from ...mechanics.motion_vectors import MotionVectors, Vectors
+from ...mechanics.quantities import Units, suited
 
 SIZE = 1000.0  # of the picture's longer side, in its own units
 PX = SIZE / 480  # a pixel, in those units: what signs that do not scale are drawn in until a script knows better
@@ -66,16 +66,19 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
                 yield Arrow(name, body.points[0], along, (channel,), on=slide.on, way=way)
     state = state.pressed(state.stroke_ends())
     for body in scene.bodies.values():
-        own = [load for load in scene.loads if load.body == body.name and not isinstance(load, Moment)]
-        for number, load in enumerate(own):
-            components = f"load {body.name} {number} x", f"load {body.name} {number} y"
+        for number, load in enumerate(scene.loads):
+            if load.body != body.name or isinstance(load, Moment):
+                continue
+            components = f"loads.{number} x", f"loads.{number} y"
             yield Arrow(f"load on {body.name}", load.at, force(state, load), components, load=True)
 
 
 class Drawing:
     """A motion as it is drawn: where metres and newtons are in the picture, at one scale and in one box with others."""
 
-    def __init__(self, scene: Scene, motion: Motion, others: Sequence["Drawing"] = ()) -> None:
+    def __init__(
+        self, scene: Scene, motion: Motion, others: Sequence["Drawing"] = (), named: Units | None = None
+    ) -> None:
         self.scene, self.motion, self.state = scene, motion, MotionVectors(scene, motion)
         self.places = {point: self.state.place(point) for point in scene.owners}  # m, shape (n,)
         self.arrows = [*arrows(scene, motion, motion)]
@@ -83,7 +86,7 @@ class Drawing:
         sizes = [np.sort(np.abs(arrow.force)) for drawing in every for arrow in drawing.arrows]
         usual = max((float(size[-1 - len(size) // 50]) for size in sizes), default=0.0)  # a singular pose has larger
         peak = usual or max((float(size[-1]) for size in sizes), default=0.0)
-        self.per_newton, self.scale_text = _scale(peak, every)
+        self.per_newton, self.scale_text = _scale(peak, every, named or suited(scene.units, [("N", peak)]))
         shown = np.concatenate([part for drawing in every for part in drawing._shown(self.per_newton, peak)])
         self.box = complex(shown.real.min(), shown.imag.min()), complex(shown.real.max(), shown.imag.max())
         across, margin = self.box[1] - self.box[0], WIDER if self.arrows else MARGIN
@@ -144,13 +147,14 @@ def foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
     return np.asarray(start + share * way)
 
 
-def _scale(peak: float, drawings: Sequence[Drawing]) -> tuple[float, str]:
+def _scale(peak: float, drawings: Sequence[Drawing], named: Units) -> tuple[float, str]:
     """How long an arrow is, m a newton, and for which round force: `100 kN = 38 mm`; nothing without a force."""
     if not peak > 0:
         return 0.0, ""
     places = np.concatenate([way for drawing in drawings for way in drawing.places.values()])
-    power, (name, size) = 10.0 ** floor(log10(peak)), drawings[0].scene.units["length"]
-    force = next(share * power for share in (5, 2, 1) if share * power <= peak)
+    (per_newton, newtons), (per_metre, metres) = named["N"], named["m"]
+    power = 10.0 ** floor(log10(per_newton * peak))
+    force = next(share * power for share in (5, 2, 1) if share * power <= per_newton * peak)
     longest = SHARE * max(np.ptp(places.real), np.ptp(places.imag))
-    length, (factor, newtons) = float(f"{force / peak * longest / size:.2g}"), prefixed(peak, "N")
-    return length * size / force, f"{factor * force:g} {newtons} = {length:g} {name}"
+    length = float(f"{force / (per_newton * peak) * longest * per_metre:.2g}")
+    return length / per_metre * per_newton / force, f"{force:g} {newtons} = {length:g} {metres}"

@@ -6,7 +6,7 @@ const parted = bytes => {
   const size = (bytes.length - start) / 4, words = new Uint8Array(4 * size);
   for (let byte = 0; byte < 4; byte++)
     for (let n = 0; n < size; n++) words[4 * n + byte] = bytes[start + byte * size + n];
-  return [JSON.parse(new TextDecoder().decode(bytes.subarray(0, start))), words.buffer];
+  return [parsed(new TextDecoder().decode(bytes.subarray(0, start))), words.buffer];
 };
 for (const part of root.parentElement.children) {
   for (const { finished } of part.getAnimations()) await finished; // the verdict comes first
@@ -26,7 +26,7 @@ for (let c = 0; c < channels.length; c++) {
   own.forEach((whole, n) => (own[n] = whole * head.quanta[c]));
 }
 const off = new Float32Array(buffer, 4 * channels.length * count);
-const place = Object.fromEntries(channels.map((channel, c) => [channel, c * count]));
+const place = byName(channels.map((channel, c) => [channel, c * count]));
 const width = head.compared + panels.length;
 let isEdited = false; // the reference's numbers are those of another design, which no engine has solved
 const ofEngine = (engine, row, n) => (isEdited ? NaN : off[((engine - 1) * width + row) * count + n]);
@@ -41,10 +41,8 @@ const rows = [...Array(count).keys()];
 const nearest = at => rows.reduce((best, n) => (Math.abs(over(n) - at) < Math.abs(over(best) - at) ? n : best), 0);
 
 const peak = values => values.reduce((most, v) => Math.max(most, Math.abs(v) || 0), 0);
-const decimals = (most, digits) => Math.min(Math.max(digits - 1 - Math.floor(Math.log10(most || 1)), 0), 12);
-const written = (v, places) => (Number.isFinite(v) ? v.toFixed(places).replace("-", "−") : "–");
-const overPlaces = decimals(peak(rows.map(over)), 4);
-const position = n => written(over(n), overPlaces) + (axis.unit === "deg" ? "°" : ` ${axis.unit}`);
+const sized = (v, largest, zero, more) => (Math.abs(v) <= zero ? "0" : written(v, largest, more)); // zero: what is round-off
+const position = n => withUnit(fixed(over(n), axis.decimals), axis.unit === "deg" ? "°" : axis.unit);
 
 // --- the picture -----------------------------------------------------------------------------------------------------
 
@@ -81,7 +79,7 @@ const pose = n => {
   }
 };
 
-const newtons = size => `${tidy(size * head.newton[0])} ${head.newton[1]}`;
+const newtons = size => withUnit(written(size * head.newton[0]), head.newton[1]);
 const forces = [...svg.querySelectorAll(".force:has(.head)")]; // not moments, whose arrows are of one size
 const arrows = forces.map((group, k) => {
   const text = made("g", svg, "");
@@ -99,8 +97,7 @@ const pull = (n, engine) => {
   sized.forEach(arrow => (arrow.size = Math.hypot(...arrow.force)));
   for (const arrow of sized.sort((a, b) => b.size - a.size)) {
     const { size, force: [fx, fy] } = arrow;
-    const length = size * head.perNewton * head.perMetre, known = !(isEdited && arrow.load); // loads are those of the run
-    const shown = engine !== "" && known && length > 2 * px;
+    const length = size * head.perNewton * head.perMetre, shown = engine !== "" && length > 2 * px;
     arrow.group.style.display = arrow.text.style.display = "none";
     if (!shown) continue;
     const [u, v] = [fx / size, -fy / size], [, shaft, tip] = arrow.group.children, [cx, cy] = at(arrow.point, n);
@@ -140,14 +137,14 @@ const mark = (n, point) => {
 };
 
 const drives = (n, engine) => value(effort.channel, n, engine) * effort.factor;
-const drivesPlaces = effort && decimals(peak(rows.map(n => drives(n, 0))), 5);
+const drivesMost = effort && peak(rows.map(n => drives(n, 0)));
 const joints = arrows.filter(arrow => !arrow.load);
 const jointForces = (n, engine) => joints.map(joint => Math.hypot(...vector(joint, n, engine)) || 0);
 const words = (n, engine) => {
   if (!joints.length) return "";
   const sizes = jointForces(n, engine), most = Math.max(...sizes);
   if (!most) return ""; // no solution here, or no forces
-  const drive = effort ? ` Drive: ${written(drives(n, engine), drivesPlaces)} ${effort.unit}.` : "";
+  const drive = effort ? ` Drive: ${withUnit(sized(drives(n, engine), drivesMost, effort.zero), effort.unit)}.` : "";
   const left = crowded ? ` No room for ${crowded} smaller ones.` : "";
   return `Largest joint force: ${newtons(most)}, ${joints[sizes.indexOf(most)].name}.${drive}${left}`;
 };
@@ -184,6 +181,7 @@ const sum = ({ factors, magnitude }, of) => { // of a curve's channels, or the l
 };
 const plotted = (curve, n, engine) => sum(curve, channel => value(channel, n, engine));
 
+const FINER_READ = 2; // digits more, by which engines are told from each other
 class Plot {
   band = []; // low, high, and over what, of the machines; kept for whenever the plot is drawn
 
@@ -204,11 +202,11 @@ class Plot {
       return own;
     };
     row(["engine", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
-    const places = curves.map(curve => decimals(peak(rows.map(n => plotted(curve, n))), 6));
+    const most = curves.map(curve => peak(rows.map(n => plotted(curve, n))));
     engines.forEach((engine, e) => {
       const own = row([engine, ...curves.map(() => ""), ""]);
       own[0].style.setProperty("--c", head.colours[e]);
-      curves.forEach((curve, k) => cells.push([own[k + 1], n => written(plotted(curve, n, e), places[k])]));
+      curves.forEach((curve, k) => cells.push([own[k + 1], n => sized(plotted(curve, n, e), most[k], curve.zero, FINER_READ)]));
       if (e) cells.push([own.at(-1), n => (error(panel, n, e) >= 0 ? error(panel, n, e).toExponential(1) : "–")]);
     });
     section.querySelector("h3").after(table);

@@ -1,7 +1,7 @@
 """What the moving picture needs: every engine's pose, forces and plotted channels at some samples, packed."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cached_property
 from typing import Any
@@ -18,7 +18,7 @@ from ...engines.runner import OF_GROUPS
 from ...judge.errors import Comparison
 from ...mechanics.axis import axis
 from ...study import Study
-from ..figures.curves import Panel, error
+from ..figures.curves import Panel, PlottedCurve, error
 from ..figures.style import BEFORE, DARK_GREY, GREY, colour
 from ..numbers import units
 from ..output.earlier import Before
@@ -31,6 +31,7 @@ NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 OF_BODIES = ("angle", "omega", "alpha", "guide_force", "guide_moment", "friction_force")  # quantities
+ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
 
 
@@ -39,7 +40,11 @@ class MovingPicture:
 
     def __init__(self, study: Study, panels: Sequence[Panel], before: Before | None = None) -> None:
         scene = study.scene
-        self.study, self.panels, self.drawing = study, panels, Drawing(scene, study.motion)
+        self.study, self.panels, self.drawing = (
+            study,
+            panels,
+            Drawing(scene, study.motion, named=units(study.reference)),
+        )
         self.svg = tostring(picture(self.drawing)[0], encoding="unicode")
         self.engines: dict[str, tuple[Comparison | None, Motion]] = {
             m.run.engine: (m.comparison, m.run.motion)
@@ -111,7 +116,9 @@ class MovingPicture:
         over, named = axis(scene), units(self.study.reference)
         colours = {BEFORE: GREY} | {m.run.engine: colour(number) for number, m in enumerate(self.study.measurements)}
         kept = ("name", "point", "load", "components", "on", "way", "moment")
-        efforts = ((channel, named[UNITS[quantity(channel)]]) for channel in self._effort)
+        zero = {channel: ROUNDING * size for channel, size in self.study.reference.scale.items()}  # what is round-off
+        efforts = ((channel, *named[UNITS[quantity(channel)]]) for channel in self._effort)
+        effort = ({"channel": c, "factor": k, "unit": unit, "zero": k * zero[c]} for c, k, unit in efforts)
         return {
             "title": scene.title,
             "axis": asdict(over) | {"title": over.title},
@@ -121,7 +128,7 @@ class MovingPicture:
             "engines": self.names,
             "colours": [colours.get(name, DARK_GREY) for name in self.names],
             "before": {"number": self.names.index(BEFORE), "ground": self._ground} if BEFORE in self.names else None,
-            "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
+            "panels": [{"title": p.title, "curves": [_curve(curve, zero) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
             "perNewton": drawing.per_newton,
             "larger": drawing.larger,
@@ -129,7 +136,7 @@ class MovingPicture:
             "corner": [drawing.corner.real, drawing.corner.imag],
             "ground": dict(scene.ground),
             "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
-            "effort": next(({"channel": c, "factor": factor, "unit": unit} for c, (factor, unit) in efforts), None),
+            "effort": next(effort, None),
             "outlines": outlines(drawing),
             "vectors": self.vectors,
             "marks": dict(self._marks()),
@@ -173,3 +180,10 @@ class MovingPicture:
                 by_step.setdefault(float(fitting[-1]), []).append(name)
         yield 1.0, ""
         yield from ((times, " and ".join(names)) for times, names in sorted(by_step.items()))
+
+
+def _curve(curve: PlottedCurve, zero: Mapping[str, float]) -> dict[str, Any]:
+    """A curve as the page plots it, with what of it is round-off."""
+    return asdict(curve) | {
+        "zero": sum(abs(factor) * zero.get(channel, 0.0) for channel, factor in curve.factors.items())
+    }

@@ -16,7 +16,7 @@ const end = (n, engine, times) => {
 };
 const follow = () => {
   tip.setAttribute("d", polyline([[0, 0], end(now)])); // an edited linkage may have no pose here
-  caption.textContent = `${whole} At ${position(now)}: ${tidy(chosenOne().factor * length(now), 4)} ${chosenOne().unit}.`;
+  caption.textContent = `${whole} At ${position(now)}: ${written(chosenOne().factor * length(now), chosenOne().factor / scale * RADIUS)} ${chosenOne().unit}.`;
   sheet.setAttribute("aria-label", caption.textContent);
 };
 const redraw = () => {
@@ -31,7 +31,7 @@ const redraw = () => {
   });
   const acts = bodies.length ? `Force of ${bodies[0]} on ${bodies[1]}` : name.replace(/^./, letter => letter.toUpperCase());
   const apart = times > 1 ? ` Differences between the engines are ${times.toLocaleString("en")} times as large.` : "";
-  whole = `${acts}. The outer circle is its peak, ${tidy(factor * most, 4)} ${unit} at ${position(sizes.indexOf(most))}.${apart}`;
+  whole = `${acts}. The outer circle is its peak, ${written(factor * most)} ${unit} at ${position(sizes.indexOf(most))}.${apart}`;
   follow();
 };
 const frames = () => {

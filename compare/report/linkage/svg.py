@@ -15,7 +15,7 @@ from zlib import crc32
 import numpy as np
 
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Body, Moment
+from scenes.scene import GROUND, Body, Moment, Slide
 
 from ...mechanics.bodies import first_point
 from ...mechanics.motion_vectors import Vectors
@@ -123,7 +123,7 @@ def background(root: Element, drawing: Drawing) -> None:
         line(root, "path", path[extremes(path.real, path.imag, PATH)])
     for name, slide in scene.slides.items():
         if slide.on == GROUND:
-            _guide(root, drawing.units(drawing.way(name)), scene.bodies[name].points[0])
+            _guide(root, drawing.units(drawing.way(name)), _direction(slide), scene.bodies[name].points[0])
     ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
     for points in outlines(drawing).values():
         shown = np.array([scene.drawn[point] for point in points if point in scene.drawn], np.complex128)
@@ -146,7 +146,8 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
         outline = np.array([own[point] for point in _around(drawing, body)])
         for slider, slide in scene.slides.items():
             if slide.on == body.name:
-                _slot(group, drawing.per_metre * (drawing.way(slider) - first_point(body)).conj(), outline)
+                ends = drawing.per_metre * (drawing.way(slider) - first_point(body)).conj()
+                _slot(group, ends, _direction(slide), outline)
         if len(body.points) > 1:
             line(group, "bar own" if len(body.points) == 2 else "plate own", outline)
         if body.slide is not None and (rod := drawing.rod(body.name)):
@@ -259,16 +260,20 @@ def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> comp
     return complex(DIRECTIONS[near.mean(axis=1).round(3).argmax()])
 
 
-def _along(root: Element, ends: Vectors) -> tuple[Element, float]:
-    """A group whose x axis is a way, from one end of it, and the length of that."""
-    way = ends[1] - ends[0]
-    place = f"translate({ends[0].real:.2f} {ends[0].imag:.2f}) rotate({degrees(np.angle(way)):.3f})"
-    return SubElement(root, "g", {"transform": place}), abs(way)
+def _direction(slide: Slide) -> complex:
+    """The direction of a guide in the picture, where y goes downwards."""
+    return complex(*slide.along).conjugate()
 
 
-def _guide(root: Element, ends: Vectors, point: str) -> None:
+def _along(root: Element, ends: Vectors, direction: complex) -> tuple[Element, float]:
+    """A group whose x axis is a way, from one end of it, and the length of that, which is zero at a single pose."""
+    place = f"translate({ends[0].real:.2f} {ends[0].imag:.2f}) rotate({degrees(np.angle(direction)):.3f})"
+    return SubElement(root, "g", {"transform": place}), abs(ends[1] - ends[0])
+
+
+def _guide(root: Element, ends: Vectors, direction: complex, point: str) -> None:
     """Draw a point's guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
-    group, length = _along(root, ends)
+    group, length = _along(root, ends, direction)
     group.set("data-guides", point)
     start, end, aside = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, 0.7 * HATCH * PX
     _path(group, "across guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
@@ -277,14 +282,14 @@ def _guide(root: Element, ends: Vectors, point: str) -> None:
     _path(group, "across hatch", "".join(hatch))
 
 
-def _slot(group: Element, ends: Vectors, outline: Vectors) -> None:
+def _slot(group: Element, ends: Vectors, direction: complex, outline: Vectors) -> None:
     """Draw the slot of a carrier, longer than the way by a block at each end, and joined to bars that pass it by."""
     along = np.linspace(ends[0], ends[1], 9)
     bars = [foot(along, np.array(p), np.array(q)) for p, q in pairwise([*outline[:1], *outline])]
     bar, place = divmod(int(np.argmin(np.abs(np.array(bars) - along))), len(along))
     if abs(bars[bar][place] - along[place]) > 2 * SLOT * PX:
         line(group, "bar", np.array([bars[bar][place], along[place]]))
-    inner, length = _along(group, ends)
+    inner, length = _along(group, ends, direction)
     start, end = -1.4 * BLOCK * PX, length + 1.4 * BLOCK * PX
     _path(inner, "across slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
 

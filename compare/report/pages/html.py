@@ -1,5 +1,6 @@
 """Pages from templates: what they are rendered in, their table of contents, and the figures packed at their end."""
 
+import re
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -17,6 +18,7 @@ from markupsafe import Markup, escape
 
 from ...engines.kept import environment
 from ...judge.agreement import Word
+from ...mechanics.quantities import spelled
 from ..figures.figure import CURVE
 from ..numbers import percent, short
 
@@ -74,7 +76,7 @@ def packed(data: bytes) -> str:
 
 def number(value: float, text: str, unit: str = "") -> Markup:
     """A number as text, with its value and unit for who points at it or takes it out of the page."""
-    title = Markup(f' title="{value} {escape(unit)}"') if unit else ""
+    title = Markup(f' title="{value} {escape(spelled(unit))}"') if unit else ""
     return Markup(f'<data value="{value}"{title}>{escape(text)}</data>')
 
 
@@ -99,7 +101,16 @@ def shortened(
         left_out = f"The {ROWS} rows {which}, of {len(rows):,}; all are in {whole}."
         size = np.array([row[worst] if worst else 0 for row in rows], float)
         rows = [rows[n] for n in np.argsort(-np.where(np.isnan(size), np.inf, size), kind="stable")[:ROWS]]
-    return [*map(str, columns)], [[row.get(column) for column in columns] for row in rows], left_out
+    return (
+        [_header(str(column)) for column in columns],
+        [[row.get(column) for column in columns] for row in rows],
+        left_out,
+    )
+
+
+def _header(column: str) -> str:
+    """The header of a column as a reader sees it, with the name of its unit: `inertia [kg mm²]`."""
+    return re.sub(r"\[(.*)\]$", lambda unit: f"[{spelled(unit[1])}]", column)
 
 
 def first(sentences: Iterable[str]) -> list[str]:

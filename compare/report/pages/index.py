@@ -31,7 +31,7 @@ def index_page(folder: Path) -> str:
 
 def _row(folder: Path, known: Summary) -> dict[str, Any]:
     title, peaks = one_line(str(known.scene["title"])), parted(known.peaks)[0]
-    units = suited(known.scene["units"]["length"], ((peak.unit, peak.value) for peak in peaks))
+    units = suited(known.scene["units"], ((peak.unit, peak.value) for peak in peaks))
     return {
         "title": title,
         "folder": folder.name,

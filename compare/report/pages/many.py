@@ -13,6 +13,7 @@ from ...mechanics.axis import axis
 from ..figures.many import MOST_LINES, curves, drawn, histograms, over_number, variance_shares
 from ..linkage.drawing import Drawing
 from ..linkage.svg import by_itself
+from ..numbers import units
 from ..tables import family as family_tables
 from ..tables import monte_carlo as monte_carlo_tables
 from ..tables import proof
@@ -65,15 +66,15 @@ def assemblies_page(scene: Scene, every: Assemblies) -> str:
 def _shown(family: Family) -> Iterator[dict[str, Any]]:
     """Yield by name what the slider shows of the members that are drawn, all at one scale and with the same units."""
     chosen = [(member, member.judgement) for member, _ in drawn(family) if member.judgement is not None]
-    alone = [Drawing(judged.scene, registry.motion(judged.scene, DRAWN)) for _, judged in chosen]
-    named = family_tables.shown_units(family) if chosen else {}
+    named = family_tables.shown_units(family)
+    alone = [Drawing(judged.scene, registry.motion(judged.scene, DRAWN), named=named) for _, judged in chosen]
     for (member, judged), own in zip(chosen, alone, strict=True):
         over = own.motion[axis(own.scene).channel]
         yield {
             "label": family_tables.label(family, member),
             "row": next(row for row, other in enumerate(family.members) if other is member),  # of the table
             "agreement": judged.agreement,
-            "svg": by_itself(Drawing(own.scene, own.motion, alone), FRAMES),
+            "svg": by_itself(Drawing(own.scene, own.motion, alone, named), FRAMES),
             "ends": (float(over[0]), float(over[-1])),  # of the motion on the axis, SI
             "answers": answers(own.scene, judged.peaks, named),
         }
@@ -85,6 +86,6 @@ def _worst(study: MonteCarlo) -> str:
         return ""
     scene = load(study.scene.file, study.changes(study.worst[0]))
     try:
-        return by_itself(Drawing(scene, registry.motion(scene, DRAWN)), FRAMES)
+        return by_itself(Drawing(scene, registry.motion(scene, DRAWN), named=units(study.judged.reference)), FRAMES)
     except Failure:
         return ""

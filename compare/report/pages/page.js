@@ -11,6 +11,10 @@ const pause = () => new Promise(done => setTimeout(done)); // between two tasks,
 const painted = () => new Promise(done => requestAnimationFrame(() => setTimeout(done)));
 const unpacked = id => inflated(id).text();
 
+// Objects by name have nothing but their own: a point may be called `constructor`.
+const byName = entries => Object.assign(Object.create(null), Object.fromEntries(entries));
+const parsed = text => JSON.parse(text, (_, v) => (v && typeof v === "object" && !Array.isArray(v) ? byName(Object.entries(v)) : v));
+
 const saved = (blob, download) => {
   const link = element("a", { href: URL.createObjectURL(blob), download });
   link.click();
@@ -32,6 +36,20 @@ addEventListener("pointerover", ({ target }) => {
   if (target.tagName === "DATA" && !target.title) target.title = target.value; // the number as it is
 });
 
-// Numbers as texts.
+// Numbers as texts, rounded as in the tables: to four significant digits, five after a leading 1.
 const grouped = text => text.replace(/\d+/, whole => whole.replace(/\B(?=(\d{3})+$)/g, ",")).replace(/^-/, "−");
+const fixed = (v, decimals) => {
+  const text = grouped(v.toFixed(decimals));
+  return /[1-9]/.test(text) ? text : "0";
+};
+const DIGITS = 4, PLAIN = [1e-4, 1e9], ROUND_OFF = 1e-9; // significant; without a power of ten; of the largest, what is zero
+const written = (v, largest = v, more = 0) => { // to as many decimals as the largest of its kind has, and some more
+  const size = Math.abs(largest);
+  if (!Number.isFinite(v)) return "–";
+  if (Math.abs(v) <= ROUND_OFF * size) return "0";
+  const [mantissa, exponent] = size.toExponential(DIGITS).split("e"), digits = DIGITS + (mantissa[0] === "1") + more;
+  const isPlain = PLAIN[0] <= size && size < PLAIN[1];
+  return isPlain ? fixed(v, Math.max(digits - 1 - exponent, 0)) : grouped(v.toExponential(digits - 1).replace("e+", "e"));
+};
+const withUnit = (text, unit) => text + (unit && unit !== "°" ? ` ${unit}` : unit);
 const tidy = (v, digits = 3) => grouped(String(+v.toPrecision(digits)));

@@ -16,8 +16,8 @@ from ...judge.peaks.peaks import Peak
 from ...judge.verdict import within
 from ...measure.many.family import Family, Member
 from ...measure.many.grid import VariedNumber
-from ...mechanics.axis import prefixed
-from ..numbers import ALONE, Units, suited, written
+from ...mechanics.axis import fixed, prefixed
+from ..numbers import Units, suited, written
 from . import TableRows
 from .study import floors
 
@@ -75,7 +75,7 @@ def overview(family: Family) -> TableRows:
 def shown_units(family: Family) -> Units:
     """Units of the page: one for each kind of quantity, by the numbers of all members that run."""
     judged = [member.judgement for member in family.members if member.judgement is not None]
-    return suited(family.scene.units["length"], ((peak.unit, peak.value) for each in judged for peak in each.peaks))
+    return suited(family.scene.units, ((peak.unit, peak.value) for each in judged for peak in each.peaks))
 
 
 def _column(kind: str, members: Sequence[dict[str, Peak]], named: Units) -> tuple[str, Callable[[Peak], str]]:
@@ -87,8 +87,7 @@ def _column(kind: str, members: Sequence[dict[str, Peak]], named: Units) -> tupl
     decimals, joint = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9), _at_a_joint(one)
 
     def text(peak: Peak) -> str:
-        number = f"{peak.value * factor:,.{decimals}f}".replace("-", "−") if peak.value else "0"
-        return f"{number} {peak.of if joint else ''}".strip()
+        return f"{fixed(peak.value * factor, decimals)} {peak.of if joint else ''}".strip()
 
     return _header(one, unit), text
 
@@ -112,7 +111,7 @@ def on_a_line(family: Family, member: Member) -> str:
     """A member in one line for the terminal."""
     parts, numbers = [label(family, member), member.status], member.numbers
     shown = (numbers[kind] for kind in ON_A_LINE if kind in numbers)
-    parts += [f"{peak.kind} {written(peak.value, peak.unit, ALONE, digits=DIGITS)}" for peak in shown]
+    parts += [f"{peak.kind} {written(peak.value, peak.unit, shown_units(family), digits=DIGITS)}" for peak in shown]
     parts += [f"{m.run.engine} {_error(m)}" for m in member.measurements]
     return "  ".join(parts if member.cycle else [*parts, member.reason])
 

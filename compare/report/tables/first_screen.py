@@ -20,6 +20,7 @@ from ..output.earlier import SummaryPeak
 
 Number = TypeVar("Number", Peak, SummaryPeak)
 
+IN_MS: Units = {"s": (1e3, "ms")}  # of times that a clock took
 SAME = 1e-9  # relative: less is no change
 MEANINGS = {"quick return": "time to close over time to open"}  # where the name of a number leaves it open
 OF_A_PIN, OF_A_JOINT, OF_THE_DRIVE = ("fx",), ("fx", "guide_force", "guide_moment"), ("torque", "force")  # quantities
@@ -114,8 +115,7 @@ def pose_button(over: DriveAxis, channel: str, position: float) -> PoseButton | 
     """A place on the axis, given in SI: `171°`, `3.2 mm`; none where it is NaN."""
     if isnan(position):
         return None
-    at = f"{round(position * over.factor, 10) + 0.0:.4g}".replace("-", "−")
-    return PoseButton(channel, position, f"{at}°" if over.unit == "deg" else f"{at} {over.unit}")
+    return PoseButton(channel, position, over.text(position))
 
 
 def engines(study: Study) -> Iterator[dict[str, object]]:
@@ -129,7 +129,7 @@ def engines(study: Study) -> Iterator[dict[str, object]]:
             "colour": colour(number),
             "status": run.status.name,
             "worst": worst.size if worst else None,
-            "time": "–" if time is None else written(time, "s", {}),
+            "time": "–" if time is None else written(time, "s", IN_MS, digits=3),
             "place": pose_button(axis(study.scene), worst.channel, worst.position) if worst else None,
         }
 

@@ -26,8 +26,6 @@ CYCLE = Sampling(360)
 NOTHING = 1e-9  # of a work in either sense: the net work of a load that gives back what it takes
 RANGES = 3  # of positions that are named, at most
 
-_joules = partial(written, unit="J", units={})
-
 
 def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
     """The power, W, that each joint's friction takes, by joint, each of shape (n,)."""
@@ -36,12 +34,14 @@ def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
 
 
 def by_joint(study: Study) -> TableRows:
-    """Yield the work that each joint's friction takes in a cycle, J, its mean power, W, and its share of all."""
+    """Yield the work that each joint's friction takes in a cycle, its mean power, and its share of all."""
+    (per_joule, joule), (per_watt, watt) = (units(study.reference)[si] for si in "JW")
     cycle, duration = study.reference.cycle, study.scene.drive.cycle
     works = {joint: _work(cycle, power) for joint, power in losses(study.scene, cycle).items()}
     whole = sum(works.values())
     for joint, work in sorted(works.items(), key=lambda row: -row[1]):
-        taken = {f"work lost a {cycle_name(study.scene)} [J]": work, "mean power [W]": work / duration}
+        taken = {f"work lost a {cycle_name(study.scene)} [{joule}]": per_joule * work}
+        taken |= {f"mean power [{watt}]": per_watt * work / duration}
         yield {"joint": joint, **taken, "share": percent(work / whole) if whole else None}
 
 
@@ -68,27 +68,27 @@ def sentences(study: Study) -> Iterator[str]:
 def _efficiency(study: Study) -> Iterator[str]:
     """Yield what of the drive's work the loads take in a cycle, and while they take power."""
     scene, cycle, name = study.scene, study.reference.cycle, cycle_name(study.scene)
-    state = MotionVectors(scene, cycle)
+    state, work = MotionVectors(scene, cycle), partial(written, si="J", shown=units(study.reference))
     power, pressed = drive_power(state), state.pressed(study.reference.stroke_ends)
     pushes = (push for load in scene.loads for push in of_element(pressed, load))
     taken = -sum((power_of(pressed, push) for push in pushes), np.zeros_like(power))  # of all loads
     drive, net, lost = _work(cycle, power), _work(cycle, taken), -_work(cycle, cycle["friction.power"])
     none = abs(net) <= NOTHING * _work(cycle, np.abs(taken))
     if none and abs(drive - lost) <= NOTHING * _work(cycle, np.abs(power)):
-        yield f"The loads take no net work: all of the drive's work, {_joules(drive)}, is lost to friction."
+        yield f"The loads take no net work: all of the drive's work, {work(drive)}, is lost to friction."
     elif none or net < 0 or drive <= 0:
-        gives = "take no net work" if none else f"{'give' if net < 0 else 'take'} {_joules(abs(net))}"
-        yield f"In a {name} the loads {gives}, the drive gives {_joules(drive)}; {_joules(lost)} are lost to friction."
+        gives = "take no net work" if none else f"{'give' if net < 0 else 'take'} {work(abs(net))}"
+        yield f"In a {name} the loads {gives}, the drive gives {work(drive)}; {work(lost)} are lost to friction."
     else:
-        reaches = f"{percent(net / drive)} of the drive's work, {_joules(drive)}, reaches the loads"
-        yield f"{reaches}; {_joules(lost)} are lost to friction."
+        reaches = f"{percent(net / drive)} of the drive's work, {work(drive)}, reaches the loads"
+        yield f"{reaches}; {work(lost)} are lost to friction."
     stroke = taken > 0
     if stroke.any() and (none or (taken < 0).any()):
         load, given = (_work(cycle, np.where(stroke, of, 0.0)) for of in (taken, power))
         of_it = "the rest is from moving masses, weights and springs"
         if given > load:
             of_it = f"{percent(load / given)} of it reaches the loads"
-        yield f"While the loads take power, {_joules(load)}, the drive gives {_joules(given)}: {of_it}."
+        yield f"While the loads take power, {work(load)}, the drive gives {work(given)}: {of_it}."
 
 
 def frictionless(scene: Scene, motion: Motion) -> Samples:
@@ -142,9 +142,9 @@ def _locking(study: Study) -> str:
     if not locked.any():
         return f"{would}; with it they do so too: it is nowhere self-locking."
     edges = np.flatnonzero(np.diff([False, *locked, False])).reshape(-1, 2)
-    over, at = axis(scene), axis(scene).of(cycle)
+    over, at = axis(scene), cycle[axis(scene).channel]
     longest = sorted(sorted(edges.tolist(), key=lambda edge: edge[0] - edge[1])[:RANGES])
-    ranges = [" to ".join(dict.fromkeys((short(at[first]), short(at[last - 1])))) for first, last in longest]
+    ranges = [over.text(at[first], at[last - 1]) for first, last in longest]
     more = " and others" if len(edges) > RANGES else ""
-    where = f"{over.quantity} {', '.join(ranges)} {over.unit}{more}"
+    where = f"{over.quantity} {', '.join(ranges)}{more}"
     return f"{would}; at {percent(float(locked.mean()))} it is self-locking, friction holds them: {where}."

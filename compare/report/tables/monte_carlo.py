@@ -11,11 +11,12 @@ from ...engines.registry import REFERENCE
 from ...judge.peaks.numbers import AT_JOINTS
 from ...measure.many.study import MonteCarlo, Spread
 from ...mechanics.axis import cycle_name
-from ..numbers import DIGITS, Units, capital, percent, units, written
+from ..numbers import Units, capital, percent, units, written
 from . import TableRows
 from .family import names
 from .proof import UNKNOWN
 
+DIGITS = 3  # of a difference of a number
 OFF = 0.05  # relative: a linear model's standard deviation that is off by more misleads
 FEW = 20  # machines that the JSON file has in full, picked by the seed
 
@@ -59,8 +60,8 @@ def summary(study: MonteCarlo) -> dict[str, object]:
 
 
 def shown_units(study: MonteCarlo) -> Units:
-    """Units of the page, but for those of forces: each has the prefix that suits it."""
-    return {si: unit for si, unit in units(study.judged.reference).items() if si not in ("N", "N*m")}
+    """Units of the page: those of the linkage as drawn."""
+    return units(study.judged.reference)
 
 
 def moving(study: MonteCarlo) -> list[Spread]:

@@ -10,10 +10,9 @@ from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
 from ...judge.agreement import Judgement
 from ...judge.proof import MET, place
 from ...mechanics.axis import cycle_name, turns_fully
-from ..numbers import units, written
+from ...mechanics.quantities import DIGITS, named, number, units, with_unit
 from . import TableRows
 
-DIGITS = 6  # shown of a bound
 UNKNOWN = "not known"
 NOTHING = 2e-6  # of the largest value of a unit: no closer is a bound known that is zero
 
@@ -44,10 +43,17 @@ def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
         elif not abs(value - attained) <= sizes.get(row.channel, 0.0):
             yield UNKNOWN
         else:
-            factor = shown.get(unit, (1.0, ""))[0]
-            place = 10.0 ** (DIGITS - 1 - floor(log10(abs(value * factor))))
-            outwards = sign * ceil(sign * value * factor * place) / place / factor
-            yield written(outwards, unit, shown, digits=DIGITS)
+            factor, name = shown.get(unit, (1.0, named(unit)))
+            yield with_unit(_outwards(factor * value, factor * attained, sign), name)
+
+
+def _outwards(value: float, attained: float, sign: int) -> str:
+    """A bound as its extreme is written where both read alike, and otherwise rounded away from it."""
+    text = number(value)
+    if text == number(attained):
+        return text
+    place = 10.0 ** (DIGITS - 1 - floor(log10(abs(value))))
+    return number(sign * ceil(sign * value * place) / place)
 
 
 def _ends(row: Enclosure) -> tuple[float, float]:

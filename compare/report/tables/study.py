@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 from json import dumps
-from math import degrees, inf, isnan, nan, pi
+from math import inf, isnan, nan
 from typing import get_type_hints
 
 import numpy as np
@@ -16,11 +16,12 @@ from ...engines import registry
 from ...judge.errors import by_group as grouped
 from ...judge.errors import shown_groups, worst_of
 from ...judge.sketch import off_sketch
-from ...mechanics.axis import axis, cycle_name
+from ...mechanics.axis import axis, cycle_name, turns_fully
 from ...mechanics.bodies import first_point, rule, weights
+from ...mechanics.quantities import named, spelled
 from ...mechanics.reference import Floor
 from ...study import Study
-from ..numbers import capital
+from ..numbers import capital, units
 from . import TableRows
 
 # Figures of an error that the table by group has, as `ChannelError` names them.
@@ -41,6 +42,14 @@ def overview(study: Study, *, timed: bool = True) -> TableRows:
 def errors(study: Study) -> TableRows:
     """The errors of every engine and channel."""
     return [row._asdict() for row in study.channel_errors]
+
+
+def errors_shown(study: Study) -> TableRows:
+    """Yield the same with the scales in the units of the page."""
+    shown = units(study.reference)
+    for row in study.channel_errors:
+        factor, unit = shown.get(row.unit, (1.0, spelled(row.unit)))
+        yield row._replace(scale=factor * row.scale, unit=unit)._asdict()
 
 
 def gates(study: Study) -> TableRows:
@@ -89,18 +98,19 @@ def residuals(study: Study) -> TableRows:
 
 def sketch(study: Study) -> TableRows:
     """Yield how far the linkage's points are from where the sketch shows them, the farthest first."""
-    (unit, size), largest = study.scene.units["length"], study.reference.mechanics.size
+    (factor, unit), largest = units(study.reference)["m"], study.reference.mechanics.size
     for point, distance in sorted(off_sketch(study.reference).items(), key=lambda item: -item[1]):
-        yield {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
+        yield {"point": point, f"distance [{unit}]": factor * distance, "of the largest length": distance / largest}
 
 
-def masses(study: Study, units: Mapping[str, tuple[str, float]] | None = None) -> TableRows:
+def masses(study: Study, in_units: Mapping[str, tuple[str, float]] | None = None) -> TableRows:
     """Yield what mass, centre of mass and inertia each body was taken to have, and by which rule; of no kinematic one.
 
-    In units of length and mass, name and size in SI: the file's where none are given.
+    In units of length and mass, name and size in SI: the page's and the file's where none are given.
     """
-    scene = study.scene
-    (length, m), (mass, kg) = ((units or scene.units)[name] for name in ("length", "mass"))
+    scene, (factor, metre) = study.scene, units(study.reference)["m"]
+    known = in_units or {**scene.units, "length": (metre, 1 / factor)}
+    (length, m), (mass, kg) = (known[name] for name in ("length", "mass"))
     for name, body in scene.bodies.items() if scene.has_masses else ():
         own = weights(scene, body)
         com = (own.com + first_point(body)) / m
@@ -142,11 +152,9 @@ def _motion_of_the_drive(scene: Scene) -> str:
     drive = scene.drive
     if not isinstance(drive, ConstantSpeed):
         return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.periodic}"
-    if scene.driven_slide is not None:
-        unit, size = scene.units["length"]
-        return f"at {drive.speed / size:g} {unit}/s from {drive.start / size:g} to {drive.after(1) / size:g} {unit}"
-    rpm = f"at {drive.speed * 30 / pi:g} rpm"
-    return rpm if drive.periodic else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
+    unit, size = scene.units["speed"]
+    speed = f"at {drive.speed / size:g} {named(unit)}".replace("-", "−")
+    return speed if turns_fully(scene) else f"{speed} from {axis(scene).text(drive.start, float(drive.after(1)))}"
 
 
 def scales(scene: Scene) -> str:

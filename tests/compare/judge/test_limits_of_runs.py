@@ -119,13 +119,13 @@ def test_no_limit_is_met_that_samples_miss() -> None:
     assert outcome(proof, fine)[0] == "met"
     ended, text = outcome(proof, sampled("the closed form", 11.0, 1e-9))
     assert ended == "missed"
-    assert "11 N*m at 57.296 deg in the samples of the closed form" in text
+    assert "11.000 N m at 57.3° in the samples of the closed form" in text
     ended, text = outcome(proof, fine, sampled("exudyn", 10.5, 1e-6))
     assert ended == "not decided"
-    assert "but 10.5 N*m at 57.296 deg in the samples of exudyn" in text
+    assert "but 10.500 N m at 57.3° in the samples of exudyn" in text
     ended, text = outcome(proof, fine, sampled("pymunk", 10.04, 5e-3))  # off by 0.05 at most
     assert ended == "met"
-    assert "within its promise 10.04 N*m at 57.296 deg in the samples of pymunk" in text
+    assert "within its promise 10.040 N m at 57.3° in the samples of pymunk" in text
     assert outcome(Enclosures((), (0.1, 0.2)), sampled("the closed form", 11.0, 1e-9))[0] == "missed"
 
 

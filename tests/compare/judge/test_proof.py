@@ -32,9 +32,9 @@ def test_limits_are_met_or_missed() -> None:
     assert [limit.outcome for limit in result.limits] == ["met", "missed", "met", "met"]
     assert not result.ok
     (missed,) = result.missed
-    assert missed.startswith("limits.B.x: at most 3.9 m missed: 4 m at ")
+    assert missed.startswith("limits.B.x: at most 3.9 m missed: 4.000 m at ")
     said = [*sentences(result)][-1]
-    assert said.startswith("3 of 4 limits are met at every position; B.x: at most 3.9 m missed: 4 m at ")
+    assert said.startswith("3 of 4 limits are met at every position; B.x: at most 3.9 m missed: 4.000 m at ")
 
 
 def test_a_limit_between_the_bounds_is_not_decided() -> None:

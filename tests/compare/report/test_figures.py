@@ -98,8 +98,15 @@ def test_prefixes(scale: float, factor: float, unit: str) -> None:
 @pytest.mark.parametrize(
     ("name", "title", "first", "last", "autorange", "said"),
     [
-        ("driven_toggle", "crosshead displacement [mm]", 100, -150, "reversed", "-150 mm/s from 100 to -150 mm, one"),
-        ("tangent", "crank angle [deg]", 130, 50, "reversed", "crank at -20 rpm from 130 to 50°, one cycle"),
+        (
+            "driven_toggle",
+            "crosshead displacement [mm]",
+            100,
+            -150,
+            "reversed",
+            "−150 mm/s from 100.0 to −150.0 mm, one",
+        ),
+        ("tangent", "crank angle [deg]", 130, 50, "reversed", "crank at −20 rpm from 130.00 to 50.00°, one cycle"),
         ("turning_law", "time [s]", 0, 1.1, True, "crank by a motion law of 1.1 s, again and again, one cycle"),
         ("shaper", "crank angle [deg]", 10, 370, True, "crank at 60 rpm, one turn, 72 samples per turn"),
     ],

@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 
 from compare.judge.peaks.peaks import peaks
-from compare.mechanics.axis import axis
+from compare.mechanics.axis import axis, fixed
+from compare.mechanics.quantities import apart, named
+from compare.mechanics.quantities import number as shown_number
 from compare.mechanics.reference import uncertified
-from compare.report.numbers import units, written
+from compare.report.linkage.drawing import Drawing
+from compare.report.numbers import percent, units, written
+from compare.report.pages.html import shortened
 from compare.report.tables import first_screen
+from compare.report.tables.proof import sentences
+from compare.report.tables.study import setup
+from compare.study import Study
 from scenes import Sampling
 from tests import scene_files
+from tests.comparisons import studied
 from tests.scene_files import Changes
 
 LIGHT = {f"bodies.{body}.mass": 1e-9 for body in ("crank", "coupler", "rocker")}
@@ -70,3 +78,48 @@ def test_a_place_that_is_zero_within_round_off_is_zero(name: str) -> None:
     place = first_screen.pose_button(axis(scene_files.load(name)), "B.vx", -1.4e-14)
     assert place is not None
     assert place.text.split("°")[0].split(" ")[0] == "0"
+
+
+def test_units_without_prefixes_are_the_file_s_everywhere() -> None:
+    """Of a lever in pounds-force and inches, whose forces are 75 lbf at the pin and 435 lbf in about it."""
+    result = studied(scene_files.load("pounds"), ["analytic"])
+    texts = {answer.name: answer.text for answers in _answers(result) for answer in answers}
+    assert texts["Largest force at constructor"] == "75.00 lbf"
+    assert texts["Peak braking torque"] == "−435.0 lbf in"
+    assert texts["Peak braking power"] == "−15.184 lbf in/s"  # 435 at 2 degrees a second
+    assert {text.split(" ", 1)[1] for text in texts.values() if " " in text} == {
+        *("lbf", "in", "in/s", "in/s²", "lbf in", "lbf in/s"),
+    }
+    proven, limits = sentences(result)
+    assert "no pin carries more than 75.00 lbf (constructor " in proven
+    assert "constructor.force: at most 60 lbf missed: 75.00 lbf from −10.00 to 10.00°" in limits
+    assert "drive.torque: at least −400 lbf in missed: −435.0 lbf in at 0°" in limits
+    assert Drawing(result.scene, result.motion).scale_text == "50 lbf = 1.5 in"  # 75 lbf are a fifth of 11 in
+    assert setup(result).startswith("The toString at 2 deg/s from −10.00 to 10.00°, one cycle")
+
+
+def test_a_number_has_one_rounding() -> None:
+    """Four digits, five after a leading 1; a bound that reads as its extreme is not rounded away from it."""
+    cases = {
+        382.012: "382.0",
+        10004.23: "10,004",
+        1.16284: "1.1628",
+        2e-5: "2.000e-5",
+        -0.331: "−0.3310",
+        19.9999999: "20.00",
+        0: "0",
+    }
+    assert {value: shown_number(value) for value in cases} == cases
+    assert (fixed(-1e-14, 3), fixed(-0.0004, 3), fixed(-0.0006, 3)) == ("0", "0", "−0.001")
+    assert (apart(10004.23, 10004), apart(75.0, 60.0), apart(4.0001, 4.0)) == ("10,004.2", "75.00", "4.0001")
+    assert (percent(8e-8), percent(2e-5), percent(0.0), percent(0.5)) == ("8e-8", "0.002 %", "0 %", "50 %")
+
+
+def test_a_unit_is_named_without_signs_of_programs() -> None:
+    names = ("N*m", "lbf*in", "kg*m^2", "m/s**2", "N*m/deg", "deg")
+    assert [*map(named, names)] == ["N m", "lbf in", "kg m²", "m/s²", "N m/deg", "°"]
+    assert shortened([{"inertia [kg*mm^2]": 1.0}])[0] == ["inertia [kg mm²]"]
+
+
+def _answers(result: Study) -> tuple[list[first_screen.Answer], list[first_screen.Answer]]:
+    return first_screen.answers(result.scene, result.peaks, units(result.reference))
