@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,7 @@ from . import limits
 from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
 from .laws import LAWS, Driven, HarmonicLaw, Law, Piece, Samples, SegmentedLaw
+from .splines import CubicSpline, cubic_spline
 
 __all__ = ["ConstantSpeed", "Drive", "DriveTable", "Driven", "HarmonicLaw", "MotionLaw", "Samples", "SegmentedLaw"]
 
@@ -92,8 +93,7 @@ class MotionLaw(Law):
 
     def still(self, order: int) -> ArrayLike:
         """The instants of the rows, s, and all of a cycle where the derivative of an order, 1 or 2, is zero."""
-        zeros = self._spline.derivative(order).solve(-self._trend if order == 1 else 0.0, extrapolate=False)
-        return [*self.times, *zeros[np.isfinite(zeros)]]
+        return [*self.times, *self._spline.still(order, -self._trend)]
 
     @property
     def table(self) -> tuple[float, float]:
@@ -124,15 +124,12 @@ class MotionLaw(Law):
         return (self.positions[-1] - self.positions[0]) / self.cycle if self.periodic else 0.0
 
     @cached_property
-    def _spline(self) -> Any:
-        from scipy.interpolate import CubicSpline  # late: few scenes need it, and it is slow to import
-
+    def _spline(self) -> CubicSpline:
         times = np.array(self.times)
         positions = np.array(self.positions) - self._trend * times
         if self.periodic:
             positions[-1] = positions[0]  # but for a rounding they are the same
-            return CubicSpline(times, positions, bc_type="periodic")
-        return CubicSpline(times, positions)
+        return cubic_spline(times, positions, periodic=self.periodic)
 
 
 Drive: TypeAlias = ConstantSpeed | MotionLaw | SegmentedLaw | HarmonicLaw
