@@ -179,7 +179,10 @@ class Judgement:
         unsolved = _listed([f"{m.run.engine} {_why(m)}" for m in others if m.run.status is not Status.ok])
         if not confirming:
             alone = f"{unsolved}; nothing else checks it" if unsolved else "No other engine was asked"
-            certified = self.reference.floor.by_channel and not unsolved
+            unable = all(m.run.status is Status.unsupported for m in others)  # which is no failure of the scene
+            certified = self.reference.floor.by_channel and unable
+            if certified and unsolved:
+                alone = unsolved
             return Agreement(Word.in_part if certified else Word.not_solved, f"{alone}; {_certified(self)}.")
         sentences = [f"{_confirmed(self, confirming)}; {_certified(self)}."]
         whole = [m for m in confirming if _whole_cycle(self.scene, m)]
@@ -278,6 +281,8 @@ def _why(measurement: Measurement) -> str:
     entry = registry.ENTRIES.get(measurement.run.engine)
     if entry is not None and entry.missing:
         return "cannot be run" if entry.trouble else "is not installed"
+    if measurement.run.status is Status.unsupported and measurement.run.found_by == "checks":
+        return "gives nothing to compare"
     return FAILED.get(measurement.run.status, CONTRADICTION)
 
 

@@ -95,8 +95,11 @@ def assess(
         return Measurement(verdict, None, checked, asked=sampling)
     table = [*error_table(outcome.engine, comparison, reference, explained)]
     unexplained = explained.left_over(comparison.commanded)
-    doubt = reference.floor.doubt
-    if not doubt:
+    doubt, given = reference.floor.doubt, {"time", scene.drive_channel}
+    if verdict.status is Status.ok and outcome.motion.samples.keys() <= given < {*sampling.wanted(scene)}:
+        reason = "it gives nothing but the time and the drive's position, so that there is nothing to compare"
+        verdict = replace(verdict, status=Status.unsupported, reason=reason, found_by="checks")
+    elif not doubt:
         verdict = compared(verdict, scene, comparison, unexplained)
     elif outcome.engine == REFERENCE and verdict.status is Status.ok:
         verdict = doubted_core(verdict, doubt)

@@ -9,7 +9,7 @@ import pytest
 
 import compare
 from compare.judge.agreement import Agreement, Judgement, Word, worst_error
-from compare.judge.measure import Measurement, measure
+from compare.judge.measure import Measurement, assess, measure
 from compare.judge.verdict import sized, within
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference
@@ -109,11 +109,38 @@ def test_one_that_did_not_solve_it_leaves_a_part(judge: Judge, status: Status, w
     assert verdict.sentence.endswith(why)
 
 
+def test_what_engines_cannot_model_is_no_failure_of_a_certified_scene(judge: Judge, reference: Reference) -> None:
+    """One that ran out of time may be one; without 50 digits nothing is solved."""
+    refused = judge(Failure(Status.unsupported, "no"), ("analytic", "stub"))
+    verdict = plain(refused.agreement)
+    assert verdict.word is Word.in_part
+    assert verdict.sentence.startswith("stub cannot model this scene; a calculation with 50 digits confirms the closed")
+    late = plain(judge(Failure(Status.timed_out, "no"), ("analytic", "stub")).agreement)
+    assert late.word is Word.not_solved
+    assert late.sentence.startswith("stub ran out of time; nothing else checks it; a calculation with 50 digits")
+    unchecked = replace(refused, reference=replace(reference, floor=Floor({}, "not certified")))
+    assert plain(unchecked.agreement).word is Word.not_solved
+    assert plain(unchecked.agreement).sentence.startswith("stub cannot model this scene; nothing else checks it")
+
+
+def test_an_engine_that_gives_the_drive_alone_confirms_nothing(judge: Judge, reference: Reference) -> None:
+    """Though it has a reason for every channel that it leaves out; where the drive alone is asked for, that is all."""
+    whole, own = commanded(reference), {"time", reference.scene.drive_channel}
+    given = {channel: samples for channel, samples in whole.samples.items() if channel in own}
+    motion = Motion(given, dict.fromkeys(whole.samples.keys() - own, "left out"))
+    judged = judge(motion, ("analytic", "stub"))
+    status, reason = judged.verdicts["stub"]
+    assert status == "unsupported"
+    assert reason == "it gives nothing but the time and the drive's position, so that there is nothing to compare"
+    assert judged.agreement.sentence.startswith("stub gives nothing to compare; a calculation with 50 digits confirms")
+    assert judged.missed == [f"stub: unsupported: {reason}"]
+    run = replace(judged.measurements[1].run, status=Status.ok, reason="")
+    drive = assess(reference, replace(SAMPLING, channels=frozenset(own)), run, judged.explained)
+    assert drive.run.status is Status.ok
+
+
 def test_without_another_engine_nothing_agrees(judge: Judge, reference: Reference) -> None:
     refused = Failure(Status.unsupported, "no")
-    verdict = plain(judge(refused, ("analytic", "stub")).agreement)
-    assert verdict.word is Word.not_solved
-    assert verdict.sentence.startswith("stub cannot model this scene; nothing else checks it")
     alone = judge(refused, ("analytic",))
     assert plain(alone.agreement).word is Word.in_part  # by arbitrary precision
     unchecked = replace(alone, reference=replace(reference, floor=Floor({}, "not certified")))
