@@ -39,7 +39,9 @@ def over_cycles(boxes: Boxes, turns: int, extremes: Callable[[Boxes], Enclosures
     open_at = parts[-1].open_at
     every = () if open_at else zip(*(part.rows for part in parts), strict=True)
     rows = tuple(_gained(boxes, _outermost(each), turns - cycles) for each in every)
-    return Enclosures(rows, open_at, cycles if lasting else None, turns)
+    return Enclosures(
+        rows, open_at, cycles if lasting else None, turns, next((part.why for part in parts if part.why), "")
+    )
 
 
 def _lasting(boxes: Boxes) -> bool:

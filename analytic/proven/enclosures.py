@@ -6,11 +6,11 @@ r is attained somewhere, and a box whose largest value and r are below it holds 
 through the line at once.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 from itertools import pairwise, product
 from numbers import Integral
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -20,10 +20,11 @@ from scenes.drive import ConstantSpeed
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
 
-from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_most
 from .boxes import FIRST, Boxes, Numbers, cut
 from .branches import LEAST
 from .cycles import over_cycles
+from .levels import Level, joined
+from .reasons import why_open, why_unbounded
 
 AT_ONCE = 256  # boxes, which take about as long as a single one
 FEWEST, MOST = 4, 64  # parts of a box
@@ -108,53 +109,6 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     return dict(zip(boxes.names, off, strict=False))  # the conditions come last
 
 
-class _Level(NamedTuple):
-    """Boxes of a level, evaluated together; the rows with either sign, shape (2, ..., rows, n)."""
-
-    low: Samples
-    high: Samples
-    c: Samples
-    rest: Samples  # (rows, n)
-    most: Samples
-    attained: Samples
-    doubtful: Any  # (n,): where a condition may not hold
-    fails: Any  # where one does not
-
-    @classmethod
-    def of(cls, found: tuple[TaylorModel, Numbers], low: Samples, high: Samples, rows: int) -> "_Level":
-        """Boxes by their models, of which some may be of one box."""
-        models, own = found
-        assumed = np.bincount(own)[own] > 1
-        c, rest = models.c[:, :rows], models.rest[:rows]
-        c = np.stack([-c, c])
-        top = parabola_most(np.moveaxis(c, 1, 0)) + np.abs(c[:, 3:]).sum(axis=1)
-        off, unknown = rest + 8 * ROUNDED * models.most[:rows], np.isnan(rest)
-        least, largest = (bound[rows:] for bound in models.range)
-        doubtful, fails = ~(least > 0).all(axis=0), (largest < 0).any(axis=0)
-        most, attained = np.where(unknown, np.inf, top + off), np.where(unknown | fails | assumed, -np.inf, top - off)
-        return cls(low[own], high[own], c, rest, most, attained, doubtful, fails)
-
-    def within(self, attained: Samples, most: Samples) -> tuple[Numbers, Samples, Samples, Any]:
-        """The parts of boxes where rows may attain values, shape (2, rows): of which row, from where and to where.
-
-        With them whether the row is known to be there as near to that as it can be more than that elsewhere.
-        """
-        sense, row, box = np.nonzero((self.most >= attained[..., np.newaxis]) & ~self.fails)
-        c0, c1, c2 = (self.c[sense, k, row, box] for k in range(3))
-        over = c0 + self.rest[row, box] + np.abs(self.c[sense, 3:, row, box]).sum(axis=1) - attained[sense, row]
-        low, high = self.low[box], self.high[box]
-        middle, half = (low + high) / 2, (high - low) / 2
-        off = 1e-6 * half + 8 * ROUNDED * np.maximum(np.abs(low), np.abs(high))
-        with np.errstate(invalid="ignore", divide="ignore"):  # between the roots of a parabola that has a top
-            root = np.sqrt(np.maximum(c1 * c1 - 4 * c2 * over, 0))
-            first, last = (
-                middle + half * np.where((c2 < 0) & np.isfinite(over), np.clip((c1 + s * root) / (-2 * c2), -1, 1), s)
-                for s in (-1, 1)
-            )
-        holds = self.attained[sense, row, box] >= (2 * attained - most)[sense, row]
-        return sense * attained.shape[1] + row, np.maximum(first - off, low), np.minimum(last + off, high), holds
-
-
 def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
     """Enclose the extremes of all that boxes have, and find where one of their conditions may not hold.
 
@@ -167,25 +121,23 @@ def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
     rest = boxes(low, low)[0].rest[:rows]
     # NumPy's median loads the package of masked arrays.
     rounding = DECIDED * np.sort(np.where(np.isnan(rest), 0.0, rest), axis=-1)[:, rest.shape[-1] // 2]
-    attained = np.full((2, rows), -np.inf)
-    done: list[_Level] = []
+    attained = np.full(2 * rows, -np.inf)
+    done: list[Level] = []
     while True:
-        found = boxes(low, high)
-        level, own = _Level.of(found, low, high, rows), found[1]
-        attained = np.maximum(attained, level.attained.max(axis=-1))
-        enough = attained + np.maximum(boxes.arms * _tolerance(attained / boxes.arms, boxes.kinds, accuracy), rounding)
-        wanted = (level.most > enough[..., np.newaxis]).any(axis=(0, 1)) | level.doubtful
+        level, attained = Level.of(boxes, low, high, attained)
+        size = np.reshape(attained, (2, rows))
+        near = np.maximum(boxes.arms * _tolerance(size / boxes.arms, boxes.kinds, accuracy), rounding)
+        wanted, own = level.wanted(np.ravel(size + near)), level.own
         divisible = ~level.fails & (level.high - level.low > LEAST * way)
         for some in (wanted, level.doubtful, np.False_):  # of too many, those alone where it may not assemble
             divided = np.zeros(len(low), np.bool_)
             divided[own[some & divisible]] = True  # with all that is assumed of a box
             if FEWEST * divided.sum() <= boxes.most:
                 break
-        done.append(_Level(*(each[..., ~divided[own]] for each in level)))
+        done.append(level.kept(~divided[own], attained))
         low, high = low[divided], high[divided]
         if not len(low):
-            every = _Level(*(np.concatenate(each, axis=-1) for each in zip(*done, strict=True)))
-            return _enclosed(boxes.names, every, attained, way)
+            return _enclosed(boxes, joined(done), attained, way)
         low, high = cut(low, high, int(np.clip(AT_ONCE // len(low), FEWEST, MOST)))
 
 
@@ -198,20 +150,27 @@ def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
     return np.where(np.isfinite(span), np.where(span > FLAT * size[kinds], accuracy * span, flat), 0.0)
 
 
-def _enclosed(names: Sequence[str], boxes: _Level, attained: Samples, way: float) -> Enclosures:
+def _enclosed(boxes: Boxes, every: Level, attained: Samples, way: float) -> Enclosures:
     """The extremes by boxes with all the way."""
-    most = np.maximum(attained, np.where(boxes.fails, -np.inf, boxes.most).max(axis=-1))
-    row, begins, ends, holds = boxes.within(attained, most)
-    edges = pairwise(np.searchsorted(row, np.arange(attained.size + 1)))
-    parts = [_first(begins[a:b], ends[a:b], holds[a:b], ONE_PLACE * way) or (np.nan, np.nan) for a, b in edges]
-    places = np.reshape(parts, (*attained.shape, 2)).transpose(2, 0, 1)
-    bounds = np.array([[-most[0], attained[1]], [-attained[0], most[1]], *places])  # shape (4, 2, rows)
-    extreme = zip(product(names, ("least", "most")), bounds.T.reshape(-1, 4).tolist(), strict=True)
-    unsure = boxes.doubtful & ~boxes.fails
-    several = (unsure, LEAST * way), (boxes.fails, -np.inf)  # of those that fail the first box alone
-    spans = (_first(boxes.low[some], boxes.high[some], some[some], gap) for some, gap in several)
+    unsure = every.doubtful & ~every.fails
+    several = (unsure, LEAST * way), (every.fails, -np.inf)  # of those that fail the first box alone
+    spans = (_first(every.low[some], every.high[some], some[some], gap) for some, gap in several)
     open_at = min((span for span in spans if span), default=None)
-    return Enclosures([Enclosure(*which, *of) for which, of in extreme] if open_at is None else (), open_at)
+    if open_at is not None:
+        return Enclosures((), open_at, why=why_open(boxes, every, open_at[0], LEAST * way))
+    every = every.kept(np.ones(len(every.low), np.bool_), attained)
+    most = attained.copy()
+    np.maximum.at(most, every.row, every.most)
+    begins, ends, holds = every.places(attained, most)
+    edges = pairwise(np.searchsorted(every.row, np.arange(len(attained) + 1)))
+    parts = [_first(begins[a:b], ends[a:b], holds[a:b], ONE_PLACE * way) or (np.nan, np.nan) for a, b in edges]
+    shape = 2, len(boxes.names)
+    most, attained = np.reshape(most, shape), np.reshape(attained, shape)
+    places = np.reshape(parts, (*shape, 2)).transpose(2, 0, 1)
+    bounds = np.array([[-most[0], attained[1]], [-attained[0], most[1]], *places])  # shape (4, 2, rows)
+    extreme = zip(product(boxes.names, ("least", "most")), bounds.T.reshape(-1, 4).tolist(), strict=True)
+    found = [Enclosure(*which, *of) for which, of in extreme]
+    return Enclosures(found, None, why=why_unbounded(every, LEAST * way))
 
 
 def _first(begins: Samples, ends: Samples, holds: Any, apart: float) -> Span | None:

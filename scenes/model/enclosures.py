@@ -30,6 +30,7 @@ class Enclosures:
     open_at: tuple[float, float] | None  # the first part of the range where that is not shown
     cycles: int | None = None  # from the start, of which forces are known; None where each cycle is like the first
     turns: int = 1  # cycles of the run
+    why: str = ""  # what is open there, or why some of the extremes have no bound, in words
 
 
 @dataclass(frozen=True)

@@ -219,7 +219,11 @@ def summary(study: Study) -> dict[str, Any]:
         "sketch": off_sketch(study.reference),
         "masses": tables.masses(study, SI),
         "verdict": study.agreement,
-        "proof": {"open_at": study.proof.open_at, "limits": [limit._asdict() for limit in study.limits]},
+        "proof": {
+            "open_at": study.proof.open_at,
+            "why": study.proof.why,
+            "limits": [limit._asdict() for limit in study.limits],
+        },
         "peaks": study.peaks,
         "engines": {m.run.engine: _engine(scene, m) for m in study.measurements},
         "causes": study.causes,

@@ -14,6 +14,8 @@ from ...mechanics.quantities import DIGITS, named, number, units, with_unit
 from . import TableRows
 
 UNKNOWN = "not known"
+NAMED = 5  # channels in a sentence, at most
+WIDE = "bounds that grow from group to group are wider than these are ever large"
 NOTHING = 2e-6  # of the largest value of a unit: no closer is a bound known that is zero
 
 
@@ -71,7 +73,7 @@ def sentences(study: Judgement) -> Iterator[str]:
         over = f"over the first {cycle if count == 1 else known}"
     if proof.open_at is not None:
         what = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
-        yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}."
+        yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}: {proof.why}."
     else:
         proofs = ["it assembles"]
         forces = [row for row in proof.rows if row.extreme == "most" and row.channel.endswith(".force")]
@@ -83,6 +85,11 @@ def sentences(study: Judgement) -> Iterator[str]:
         for least in _bounds(study, [row for row in proof.rows if row[:2] == (TRANSMISSION, "least") and row.low > 0]):
             proofs.append(f"no transmission angle is below {least}")
         yield f"Proven {over}: {', '.join(proofs)}."
+        unknown = [row for row, shown in zip(proof.rows, _bounds(study, proof.rows), strict=True) if shown == UNKNOWN]
+        if unknown:
+            names, why = list(dict.fromkeys(row.channel for row in unknown)), proof.why or WIDE
+            more = f" and {len(names) - NAMED} more" * (len(names) > NAMED)
+            yield f"No bound is known of {', '.join(names[:NAMED])}{more}, {place(scene, unknown[0][4:])}: {why}."
     open_limits = [limit.text for limit in study.limits if limit.outcome != MET]
     if study.limits:
         met = f"{len(study.limits) - len(open_limits)} of {len(study.limits)} limits are met at every position"

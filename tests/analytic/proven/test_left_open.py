@@ -1,12 +1,16 @@
 """Nothing is left open by the form of a number: equal forms, springs whose ends meet, joints without a load."""
 
 import tomllib
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import pytest
 
 import analytic
+import scenes
+from benchmarks import windows as benchmark
 from scenes import Sampling, Scene
 from tests import scene_files
 from tests.naming import loaded
@@ -97,3 +101,24 @@ def test_friction_that_contracts_is_enclosed(case: str) -> None:
         values = motion[row.channel]
         size = 1e-9 * np.abs(values).max() + 1e-200  # roundings of the samples; what underflows in the bounds
         assert row.low - size <= values.min() if row.extreme == "least" else values.max() <= row.high + size, row
+
+
+@pytest.mark.parametrize(("count", "why"), [(16, "boxes are too few"), (30, "16 digits are too few")])
+def test_what_is_not_proven_has_a_reason(count: int, why: str) -> None:
+    """Parallelograms in a row, where each dyad's bounds are some times as wide as those of the one before."""
+    found = analytic.enclose(windows(count), frozenset({f"B{count}.x"}))
+    assert found.open_at is not None
+    assert why in found.why
+
+
+def test_a_linkage_that_locks_is_named_with_its_joint() -> None:
+    found = analytic.enclose(scene_files.load("triple_rocker"), frozenset({"B.x"}))
+    assert "B is in a singular configuration" in found.why
+    assert "cannot be reached beside it" in found.why
+
+
+def windows(count: int) -> Scene:
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "windows.toml"
+        file.write_text(benchmark.text(count), encoding="utf-8")
+        return scenes.load(file)

@@ -10,7 +10,7 @@ import pytest
 import compare
 from compare.engines import registry
 from compare.judge.proof import asked, held, met
-from compare.report.tables.proof import bounds, sentences
+from compare.report.tables.proof import WIDE, bounds, sentences
 from compare.run import main
 from scenes import InputError, Motion, Sampling, Scene
 from scenes.model.enclosures import Enclosure, Enclosures
@@ -108,8 +108,8 @@ def test_bounds_that_are_shown_are_bounds() -> None:
     assert shown[1] >= 4.0
 
 
-@pytest.mark.parametrize("most", [np.inf, 1e30])
-def test_a_bound_far_above_what_is_attained_is_not_known(most: float) -> None:
+@pytest.mark.parametrize(("most", "why"), [(np.inf, "of a reason"), (1e30, WIDE)])
+def test_a_bound_far_above_what_is_attained_is_not_known(most: float, why: str) -> None:
     """As of a long chain of dyads, whose boxes are too wide: it is no proof of anything, nor one of the other pins."""
     result = compare.check(limited({}), engines=("analytic",), samples=8)
     whole = " ".join(sentences(result))
@@ -118,8 +118,10 @@ def test_a_bound_far_above_what_is_attained_is_not_known(most: float) -> None:
     known = {row[:2]: row for row in result.proof.rows}
     force, angle = ("A.force", "most"), (TRANSMISSION, "least")
     known |= {force: known[force]._replace(high=most), angle: known[angle]._replace(low=-3.2)}
-    result.proof = replace(result.proof, rows=[*known.values()])
-    (sentence,) = sentences(result)
+    result.proof = replace(result.proof, rows=[*known.values()], why=why if most == np.inf else "")
+    sentence, unknown = sentences(result)
     assert sentence == "Proven over the whole turn: it assembles."
+    assert unknown.startswith(f"No bound is known of A.force, {TRANSMISSION}, at ")
+    assert unknown.endswith(f": {why}.")
     (row,) = (row for row in bounds(result) if row["channel"] == "A.force")
     assert row["never above"] == "not known"

@@ -1,0 +1,108 @@
+"""What is kept of boxes: of each row the boxes that may hold its extremes, and where a condition may not hold.
+
+Extremes are largest values: each row is there twice, its values with the opposite sign first. Of a box no more is kept
+than the rows whose largest value in it is not below what they attain elsewhere, so that memory goes with the boxes that
+matter and not with all boxes times all rows.
+"""
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from scenes.model.motion import Samples
+
+from ..recorded.arithmetics.taylor_models import ROUNDED, parabola_most
+from .boxes import BLOCK, Boxes, Numbers
+
+AT_A_TIME = 1_000_000  # rows times boxes whose models are in memory, some hundred bytes each
+
+
+class Level(NamedTuple):
+    """Boxes that were evaluated together, shape (n,), and what rows have in those that may hold an extreme, (k,)."""
+
+    low: Samples  # (n,)
+    high: Samples
+    own: Numbers  # of which box it is: some are several times of one
+    doubtful: Any  # where a condition may not hold
+    fails: Any  # where one does not
+    condition: Numbers  # the first that may not hold, by number
+    box: Numbers  # (k,)
+    row: Numbers
+    c: Samples  # (3, k), the coefficients of the row's parabola
+    beside: Samples  # the most of all else
+    most: Samples  # of the row's values, infinite where nothing is known
+    attained: Samples  # what one of them is at least
+
+    @classmethod
+    def of(cls, boxes: Boxes, low: Samples, high: Samples, attained: Samples) -> tuple["Level", Samples]:
+        """Boxes by their ends, and what is attained, shape (2 rows,), given what was without them."""
+        parts, rows = list[Level](), len(boxes.names)
+        size = max(AT_A_TIME // (BLOCK * max(rows, 1)), 1) * BLOCK
+        for first in range(0, len(low), size):
+            some = slice(first, first + size)
+            part, attained = cls._of(boxes, low[some], high[some], rows, attained)
+            parts.append(part._replace(own=part.own + first))
+        return joined(parts), attained
+
+    @classmethod
+    def _of(cls, boxes: Boxes, low: Samples, high: Samples, rows: int, attained: Samples) -> tuple["Level", Samples]:
+        models, own = boxes(low, high)
+        assumed = np.bincount(own)[own] > 1
+        c, rest = models.c[:, :rows], models.rest[:rows]
+        c = np.concatenate([-c, c], axis=1)
+        further = np.abs(c[3:]).sum(axis=0)
+        top, rest = parabola_most(c) + further, np.concatenate([rest, rest])
+        off = rest + np.tile(8 * ROUNDED * models.most[:rows], (2, 1))
+        unknown = np.isnan(rest)
+        least, largest = (bound[rows:] for bound in models.range)
+        doubtful, fails = ~(least > 0).all(axis=0), (largest < 0).any(axis=0)
+        condition = (~(least > 0)).argmax(axis=0) if len(least) else np.zeros(len(own), np.intp)
+        most, known = np.where(unknown, np.inf, top + off), np.where(unknown | fails | assumed, -np.inf, top - off)
+        attained = np.maximum(attained, known.max(axis=1))
+        row, box = np.nonzero((most >= attained[:, np.newaxis]) & ~doubtful)  # with one that stays so nothing is known
+        of_rows = c[:3, row, box], (rest + further)[row, box], most[row, box], known[row, box]
+        return cls(low[own], high[own], own, doubtful, fails, condition, box, row, *of_rows), attained
+
+    def wanted(self, enough: Samples) -> Any:
+        """Boxes where a row may have values above what is enough, shape (2 rows,), or a condition may not hold."""
+        wanted = self.doubtful.copy()
+        wanted[self.box[self.most > enough[self.row]]] = True
+        return wanted
+
+    def kept(self, boxes: Any, attained: Samples) -> "Level":
+        """Those of some boxes, and of their rows those that may still hold an extreme."""
+        some = boxes[self.box] & (self.most >= attained[self.row])
+        each = (one[boxes] for one in self[:6])
+        number = np.cumsum(boxes) - 1
+        of_rows = (one[..., some] for one in self[7:])
+        return Level._make([*each, number[self.box[some]], *of_rows])
+
+    def places(self, attained: Samples, most: Samples) -> tuple[Samples, Samples, Any]:
+        """The parts of boxes where rows may attain values, shape (2 rows,): from where and to where.
+
+        With them whether the row is known to be there as near to that as it can be more than that elsewhere.
+        """
+        c0, c1, c2 = self.c
+        over = c0 + self.beside - attained[self.row]
+        low, high = self.low[self.box], self.high[self.box]
+        middle, half = (low + high) / 2, (high - low) / 2
+        off = 1e-6 * half + 8 * ROUNDED * np.maximum(np.abs(low), np.abs(high))
+        with np.errstate(invalid="ignore", divide="ignore"):  # between the roots of a parabola that has a top
+            root = np.sqrt(np.maximum(c1 * c1 - 4 * c2 * over, 0))
+            first, last = (
+                middle + half * np.where((c2 < 0) & np.isfinite(over), np.clip((c1 + s * root) / (-2 * c2), -1, 1), s)
+                for s in (-1, 1)
+            )
+        holds = self.attained >= (2 * attained - most)[self.row]
+        return np.maximum(first - off, low), np.minimum(last + off, high), holds
+
+
+def joined(levels: Iterable[Level]) -> Level:
+    """The boxes of several, with their rows in order."""
+    every = [*levels]
+    counts = np.cumsum([0, *(len(one.low) for one in every)])
+    numbered = [one._replace(box=one.box + first) for one, first in zip(every, counts, strict=False)]
+    whole = Level(*(np.concatenate(each, axis=-1) for each in zip(*numbered, strict=True)))
+    order = np.argsort(whole.row, kind="stable")
+    return Level._make([*whole[:6], *(one[..., order] for one in whole[6:])])
