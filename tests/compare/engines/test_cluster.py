@@ -10,6 +10,7 @@ from threading import Event, Thread
 from time import monotonic
 from typing import TYPE_CHECKING
 
+import psutil
 import pytest
 
 from compare.engines.processes import cluster
@@ -69,6 +70,13 @@ def test_every_outcome_comes_back(client: "Client") -> None:
     for name, ended in outcomes.items():
         assert isinstance(ended, Ended)
         assert (ended.status, DEATHS[name][2] in ended.reason) == (Status.crashed, True)
+
+
+def test_what_tests_begin_listens_on_this_computer_alone(client: "Client") -> None:
+    """Whoever reaches a scheduler or a worker runs code there."""
+    assert client.cluster.scheduler_address.startswith("tcp://127.0.0.1:")
+    here = psutil.Process().net_connections("tcp")
+    assert {each.laddr.ip for each in here if each.status == psutil.CONN_LISTEN} == {"127.0.0.1"}
 
 
 def test_a_stop_begins_no_more(client: "Client") -> None:
