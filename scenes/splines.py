@@ -7,8 +7,8 @@ With the step h, the chord's slope m and the slopes s at its ends, the cubic of 
 The second derivatives at both sides of an inner entry are equal where h1 s0 + 2 (h0 + h1) s1 + h0 s2 is
 3 (h1 m0 + h0 m1):
 de Boor, "A Practical Guide to Splines" (1978), chapter 4. Those of a periodic spline are a ring, which is solved as a
-chain with its last slope open; else the first two cubics are one, and the last two (not-a-knot). The chain is solved with
-pivots, so that steps of very different lengths do no harm.
+chain with its last slope open; else the first two cubics are one, and the last two (not-a-knot). The chain is solved
+with pivots, so that steps of very different lengths do no harm.
 """
 
 from collections.abc import Sequence

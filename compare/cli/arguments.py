@@ -21,7 +21,7 @@ from .command import Parser, called
 
 USAGE = (
     " [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
-    " [--channels LIST] [--accuracy A] [--full] [--check] [--open]"
+    " [--channels LIST] [--accuracy A] [--full | --no-speed] [--check] [--open]"
     " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
     " [--monte-carlo N [--seed K] | --assemblies] [--format github] [--baseline FILE | --against OLD]"
     " [--result NAME=FILE.csv ...]; or list, new NAME, map [SCENE] NAME=FILE.csv, version"
@@ -66,7 +66,9 @@ def parser() -> argparse.ArgumentParser:
     add("--seed", type=partial(_count, 0, 2**32 - 1), metavar="K", help="of these draws (0)")
     about = "judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]"
     add("--result", action="append", default=[], metavar="NAME=FILE.csv", help=about)
-    add("--full", action="store_true", help="take more settings of each engine, timed for longer")
+    table = parser.add_mutually_exclusive_group().add_argument
+    table("--full", action="store_true", help="take more settings of each engine, timed for longer")
+    table("--no-speed", action="store_true", help="leave the table of speed against error out")
     add("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
     about = "of --check: annotations and a step summary too"
     add("--format", choices=("plain", "github"), default="plain", help=about)

@@ -22,7 +22,7 @@ from ..judge.errors import shown_groups
 from ..judge.floor import UnsolvedError, solvable
 from ..judge.measure import Miss
 from ..measure.many.grid import grid
-from ..measure.speed.speed_table import Budget
+from ..measure.speed.speed_table import NO_CLOCK, Budget
 from ..report.output import files
 from ..report.output.earlier import Change, Summary, before, last
 from ..report.plain import plain
@@ -39,7 +39,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
             raise Stopped
         show(doing)
 
-    budget = Budget(rounds=20, seconds=0.15)
+    budget = NO_CLOCK if options.no_speed else Budget(rounds=20, seconds=0.15)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     try:
@@ -104,7 +104,7 @@ def print_result(result: Study) -> None:
         lines.append(f"{m.run.engine:14} {m.run.status.name:15} {errors}")
     lines += [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
     lines += [f"likely cause: {cause}" for cause in result.causes.values()]
-    for line in (*lines, *result.reasons, speed_tables.verdict(result)):
+    for line in filter(None, (*lines, *result.reasons, speed_tables.verdict(result))):
         print(f"{result.scene.name}  {line}")
 
 

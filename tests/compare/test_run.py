@@ -185,3 +185,15 @@ def test_new_scene_runs_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert str(file) in capsys.readouterr().out
     assert main([str(file), "--check", "--out", str(tmp_path)]) == 0
     assert {engine["status"] for engine in summary_of(tmp_path / "mine")["engines"].values()} == {"ok"}
+
+
+def test_a_report_without_its_table_of_speed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["four_bar", "--engines", "analytic", "--no-speed", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    printed = capsys.readouterr().out
+    assert "The fastest way" not in printed
+    assert all(line.split(maxsplit=1)[1:] for line in printed.splitlines())
+    report = (tmp_path / "four_bar" / "report.html").read_text(encoding="utf-8")
+    assert "Speed against error" not in report
+    assert not (tmp_path / "four_bar" / "speed.csv").exists()
+    assert (tmp_path / "four_bar" / "motion.analytic.csv").exists()

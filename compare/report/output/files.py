@@ -60,11 +60,9 @@ def write(
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    written = {
-        "peaks": tables.peaks(study),
-        "errors": tables.errors(study),
-        "speed": [row.cells for row in study.speed],
-    }
+    written = {"peaks": tables.peaks(study), "errors": tables.errors(study)}
+    if study.speed:
+        written["speed"] = [row.cells for row in study.speed]
     known = summary(study) | {"picture": small(study.scene, study.motion), **(since or {})}
     with _result(study.scene, folder, REPORT, known, partial(page, study, before), complete=complete) as (aside, place):
         for name, table in written.items():
