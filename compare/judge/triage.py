@@ -2,8 +2,12 @@
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
+from math import remainder, tau
+
+import numpy as np
 
 from scenes import Failure, Motion, Rows, Status
+from scenes.model.motion import quantity
 
 from ..engines.registry import REFERENCE
 from ..mechanics.reference import Reference
@@ -23,6 +27,10 @@ FEWEST = 4  # rows, of which a course can be judged
 FAR_LESS = 0.1  # of an error: others that have less do not share its cause
 ALIKE, ROUGHLY = 1.1, 1e-3  # times, and of the deviation: causes that leave no more are told apart by nothing
 COARSE = "its settings are too coarse: of its error {one}"
+SINGULAR = 1e-3  # of the largest length: so near to a singular configuration engines may take the other assembly
+WINDOW = 1 / 24  # of the drive's way about it
+ASTRAY = 0.01  # of the largest error: what is less is no sign of that
+LEFT = {Status.wrong_branch, Status.inconsistent, Status.inaccurate, Status.diverged}
 FEW = 3  # bodies, joints and points: of more, what is wrong in the scene is in several
 
 
@@ -98,10 +106,40 @@ def sentences(reference: Reference, measurements: Sequence[Measurement], off: Co
         coarse = Cause(Kind.solver, "all", COARSE, names=(m.finer,))  # others leave hardly any of the error
         given = replace(m.asked, channels=frozenset(m.run.motion.samples))  # all but what was refused as missing
         asked = m.asked if m.run.status is Status.unsupported else given
+        if singular := near_singular(reference, m):
+            lines[m.run.engine] = f"{m.run.engine}: {singular}{', the others agree' * alone}"
+            continue
         own = coarse if m.finer else cause(reference, asked, m.run.motion)
         if own != UNKNOWN:
             lines[m.run.engine] = f"{m.run.engine}: {words(reference.scene, own)}{', the others agree' * alone}"
     return lines
+
+
+def near_singular(reference: Reference, failed: Measurement) -> str:
+    """Where an engine goes astray at a nearly singular configuration, and how far that is from one; or nothing.
+
+    Its largest error by sample first exceeds `ASTRAY` of what it ever is within `WINDOW` of the place that is nearest
+    to a singular configuration. No finer settings help there, as they would were they too coarse: a length that is off
+    by that distance makes another linkage of it.
+    """
+    locks = {name: values for name, values in reference.cycle.samples.items() if quantity(name) == "to_lock"}
+    if failed.comparison is None or not locks or failed.run.status not in LEFT:
+        return ""
+    scene, least = reference.scene, {name: float(np.nanmin(values)) for name, values in locks.items()}
+    joint = min(least, key=lambda name: least[name])
+    if not least[joint] <= SINGULAR * reference.mechanics.size:
+        return ""
+    position = reference.cycle[scene.drive_channel]
+    there = float(position[int(np.nanargmin(locks[joint]))])
+    errors = np.max([*failed.comparison.actual.values()], axis=0)
+    first = float(failed.comparison.position[int((~(errors <= ASTRAY * np.nanmax(errors))).argmax())])
+    off = first - there if scene.driven_slide is not None else remainder(first - there, tau)
+    if not abs(off) <= WINDOW * float(np.ptp(position)):
+        return ""
+    how = "takes another assembly from there" if failed.run.status is Status.wrong_branch else "is off from there"
+    return (
+        f"the linkage is {scene.length(least[joint])} from a singular configuration at {scene.where(there)}; it {how}"
+    )
 
 
 def _alone(failed: Measurement, measurements: Sequence[Measurement]) -> bool:
