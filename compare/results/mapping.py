@@ -51,7 +51,7 @@ class MappingFile(FileTable):
 
     made_by: Text = Field("", description="Who made the result.")
     made_with: Text = Field("", description="By which program, in which version.")
-    separator: Literal[",", ";", "\t"] | None = Field(None, description="Between columns.")
+    separator: Literal[",", ";", "\t", " "] | None = Field(None, description="Between columns.")
     decimal: Literal[".", ","] | None = Field(None, description="Before the decimals.")
     units: UnitsTable = Field(UnitsTable.model_validate({}), description="Of the columns.")
     frame: FrameTable = Field(FrameTable.model_validate({}), description="Of places, vectors and angles.")

@@ -19,6 +19,7 @@ from ..engines.runner import LARGEST
 
 BYTES = 50_000_000  # reading a table takes 3 s for every ten megabytes
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+BLANKS = r"\s+"  # one or more of them between columns, where no name has any
 TO_E = str.maketrans("dD", "ee")  # of powers of ten as Fortran writes them
 NUMBER = re.compile(r"[+-]?(?=\.?\d)\d*(?:\.\d*)?(?:[eEdD][+-]?\d{1,3})?")
 
@@ -30,6 +31,7 @@ class Table:
     sha256: str
     columns: tuple[str, ...]
     texts: Sequence[Sequence[str]]  # by column
+    above: int = 1  # lines above the first row
 
     def numbers(self, column: str) -> tuple[Samples, Samples]:
         """Return a column of numbers, and half of the last decimal of each, both of shape (n,); or InputError."""
@@ -43,7 +45,9 @@ class Table:
         for row, text in enumerate(texts):
             if not abs(values[row]) <= LARGEST:
                 cell = f"'{one_line(text, 30)}'" if text else "nothing"
-                raise InputError(f"row {row + 2}, column '{shown}': expected a number up to {LARGEST:g}, found {cell}")
+                raise InputError(
+                    f"row {row + self.above + 1}, column '{shown}': expected a number up to {LARGEST:g}, found {cell}"
+                )
         likes = texts  # of a column of one number, whose own digits show nothing, all that are in the file
         if len(set(texts)) == 1:
             likes = [each[row] for each in self.texts for row in (0, -1) if NUMBER.fullmatch(each[row])]
@@ -64,7 +68,8 @@ def _written(text: str) -> tuple[int, int, float]:
 def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     """Return the table in a file, text in UTF-8: a line of column names, then a line a row; or InputError.
 
-    Where separator and decimal mark are None, the names and the numbers show them.
+    Where separator and decimal mark are None, the names and the numbers show them. Lines above the names that begin
+    with `#` are read past, and below them one line without a number, of units.
     """
     import pandas as pd  # late: most runs read no table
 
@@ -74,26 +79,45 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
         raise InputError("no such file") from None
     if "\0" in text:
         raise InputError("expected a text file, found zero bytes")
-    head = text.lstrip("\n").partition("\n")[0]
-    separator = separator or _separator(head)
+    lines = text.split("\n")
+    above = next((row for row, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
+    lines = lines[above:]
+    separator = separator or _separator(lines)
     try:
-        cells = pd.read_csv(StringIO(text), sep=separator, header=None, dtype=str, keep_default_na=False)
+        cells = pd.read_csv(
+            StringIO("\n".join(lines)),
+            sep=BLANKS if separator == " " else separator,
+            header=None,
+            dtype=str,
+            keep_default_na=False,
+        )
     except ValueError as error:  # of which pandas has its own kinds
         why = one_line(str(error)).removeprefix("Error tokenizing data. C error: ")
         raise InputError(f"not a table: {why}") from None
     if len(cells) < 2:
         raise InputError("expected a row of numbers below the names, found none")
     names, *rows = ([str(text).strip() for text in row] for row in cells.itertuples(index=False))
+    if len(rows) > 1 and _of_units(rows[0]) and not _of_units(rows[1]):
+        rows, above = rows[1:], above + 1
     texts = [list(column) for column in zip(*rows, strict=True)]
     if (decimal or _decimal(texts, separator)) == ",":
         texts = [[text.replace(",", ".") for text in column] for column in texts]
-    return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts)
+    return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts, above + 1)
 
 
-def _separator(head: str) -> str:
+def _of_units(row: Sequence[str]) -> bool:
+    """Whether no cell of a row has a number, nor is all of it empty."""
+    return any(row) and not any(re.match(r"[+-]?[.,]?\d", text) for text in row)
+
+
+def _separator(lines: Sequence[str]) -> str:
+    head = lines[0]
     separators = [separator for separator in SEPARATORS if separator in re.sub(r'"[^"]*"', "", head)]
     if len(separators) == 1:
         return separators[0]
+    fields = [len(line.split()) for line in lines if line.strip()]
+    if not separators and len(fields) > 1 and fields[0] > 1 and len(set(fields)) == 1:
+        return " "
     names = " and ".join(SEPARATORS[each] for each in separators)
     none = f"none in the first line, '{one_line(head, 40)}'"
     instead = f"{names}; 'separator' in the mapping sets it" if names else none
