@@ -62,12 +62,14 @@ def checks(
     promise: float = FINEST,
     may: Sequence[Acts] | None = None,
     ends: Sequence[float] | None = None,
+    scale: Mapping[str, float] | None = None,
 ) -> list[Check]:
     """Every check that the motion has the channels for.
 
     `travel` is that of each moving point, m, see `travels`; `promise` what the motion is held to, below which no error
     needs an explanation; `may`, by sample, whether each press force may act, and `ends` where their strokes end, m:
-    None where the motion itself shows it, which is then of a whole cycle.
+    None where the motion itself shows it, which is then of a whole cycle. `scale`, by channel, is what errors are
+    divided by; None where the motion's own projection shows it.
     """
     scene, state, places = mechanics.scene, MotionVectors(mechanics.scene, motion), mechanics.axis.of(motion)
     asked = "radian" if scene.driven_slide is None else "travel"
@@ -76,7 +78,7 @@ def checks(
         if motion.samples.keys() >= closed_by(scene, body):
             violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
     if motion.samples.keys() >= {*kinematic_channels(scene)}:
-        estimated = estimate(mechanics, motion, travel, promise, ends)
+        estimated = estimate(mechanics, motion, travel, promise, ends, scale)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         for group in SHOWN_GROUPS:  # its channel that is furthest off; one that is not a number is further than all
             own = {c: error.max() for c, error in estimated.errors.items() if mechanics.groups[c] == group}
@@ -145,6 +147,7 @@ def estimate(
     travel: Mapping[str, float],
     promise: float = FINEST,
     ends: Sequence[float] | None = None,
+    scale: Mapping[str, float] | None = None,
 ) -> Estimate:
     """How far a motion is from its projection onto the constraints: its errors, without a reference.
 
@@ -157,7 +160,7 @@ def estimate(
         turns = np.maximum(np.abs(motion[mechanics.scene.drive_channel]) / (2 * np.pi), 1)
     projection = projected(mechanics, motion, ends)
     closed, condition = projection.closed, projection.condition
-    scale, far = scales(mechanics, closed, travel), off_origin(mechanics, motion)
+    scale, far = scale or scales(mechanics, closed, travel), off_origin(mechanics, motion)
     eps = [EPS * turns, *[EPS * np.maximum(turns, far)] * (len(POWERS) - 1)]  # places themselves are as large as far
     true = Motion({**closed.samples, **projection.forces})
     errors = unresting(mechanics, closed, relative_errors(motion, true, scale))

@@ -117,7 +117,8 @@ def _excused(
 
     def found(motion: Motion) -> list[Check]:
         may = reference.acts(motion, true) if complete else None  # decimals may put a slider beyond a press's switch
-        return checks(reference.mechanics, motion, reference.travel, promise, may, reference.stroke_ends)
+        own = reference.mechanics, motion, reference.travel, promise, may, reference.stroke_ends
+        return checks(*own, reference.scale)  # forces of nothing but decimals have no scale of their own
 
     allowed = found(Motion(off | {"time": true["time"]}))
     # A balance adds up many channels, each of which is held against the reference by itself: it has no other limit.

@@ -5,6 +5,7 @@ Every scene here has a core that is right to what its numbers' last places leave
 
 from dataclasses import replace
 from math import cos, pi, sin, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,12 +13,15 @@ import pytest
 from compare import check
 from compare.engines.runner import Run
 from compare.judge.checks import checks, estimate
+from compare.judge.foreign import assess_result
 from compare.judge.measure import assess
 from compare.mechanics.reference import uncertified
 from compare.mechanics.round_off import explain
+from compare.results.result import read_result
 from scenes import Sampling, Settings, Status
 from tests import scene_files
 from tests.comparisons import changed, commanded
+from tests.foreign import Writer, channels
 
 FREE = 10 / (2 * pi)  # Hz, of the mass on its spring
 SAMPLES = Sampling(72)
@@ -120,6 +124,17 @@ def test_a_wrong_effort_is_still_found(frequency: float, terms: float) -> None:
     judged = assess(reference, SAMPLES, wrong, explained)
     assert (judged.run.status, judged.run.found_by) == (Status.inaccurate, "checks")
     assert judged.errors[-1].unexplained == pytest.approx(5e-7, rel=1e-3)
+
+
+@pytest.mark.parametrize(("off", "status"), [(0.0, Status.ok), (0.5, Status.inconsistent)])
+def test_another_program_of_a_drive_with_nothing_to_do(tmp_path: Path, off: float, status: Status) -> None:
+    """Six decimals of its instants are 5e-5 N of the mass's 10 N, and all that it has of the drive's force."""
+    scene = scene_files.load("mass_on_spring")
+    reference, writer = uncertified(scene), Writer(decimals=".6f")
+    columns = writer.columns(scene, SAMPLES.times(scene), [scene.drive_channel, *channels(scene)])
+    columns["drive.force"] = columns["drive.force"] + off
+    result = read_result(scene, f"theirs={writer.file(tmp_path, columns)}")
+    assert assess_result(reference, result).run.status is status
 
 
 def test_what_last_places_leave_is_explained_where_more_than_the_promise_is_left() -> None:
