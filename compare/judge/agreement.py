@@ -24,7 +24,7 @@ from .errors import ChannelError, worst_of
 from .floor import FLOOR_SAMPLES
 from .measure import Gate, Measurement, Miss, gates, missed
 from .peaks.peaks import Peak, peaks
-from .proof import MET, HeldLimit, SampledRun, asked, held
+from .proof import MET, HeldLimit, LimitsVerdict, SampledRun, asked, held, verdict_on
 from .verdict import digits, sized, within
 
 CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # with a motion, but another one
@@ -130,6 +130,11 @@ class Judgement:
                 off = max(m.run.settings.promise, m.largest)  # which round-off may take beyond what is promised
                 runs.append(SampledRun(m.run.engine, m.run.motion, off, scale))
         return list(held(self.scene, self.sampling, self.proof, runs, units(self.reference)))
+
+    @property
+    def limits_verdict(self) -> LimitsVerdict | None:
+        """Whether the scene's limits are met, whatever the models are; None without limits."""
+        return verdict_on(self.limits)
 
     @property
     def ok(self) -> bool:

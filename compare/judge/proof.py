@@ -54,6 +54,24 @@ def asked(scene: Scene, sampling: Sampling) -> frozenset[str] | None:
     return sampling.channels.union(name for name, of in magnitudes(scene).items() if sampling.channels.issuperset(of))
 
 
+class LimitsVerdict(NamedTuple):
+    """The verdict on all limits of a scene, which is none on its models."""
+
+    word: str  # met, missed or not decided
+    sentence: str
+
+    def __str__(self) -> str:
+        return f"limits {self.word}: {self.sentence}"
+
+
+def verdict_on(limits: Sequence[HeldLimit]) -> LimitsVerdict | None:
+    """How many limits are met, and those that are not; None without limits."""
+    outcomes, open_limits = {limit.outcome for limit in limits}, [one.text for one in limits if one.outcome != MET]
+    word = next((outcome for outcome in (MISSED, OPEN, MET) if outcome in outcomes), None)
+    met = f"{len(limits) - len(open_limits)} of {len(limits)} limits are met at every position"
+    return None if word is None else LimitsVerdict(word, f"{'; '.join([met, *open_limits])}.")
+
+
 def held(
     scene: Scene,
     sampling: Sampling,

@@ -66,7 +66,12 @@ class CheckResult(Study):
         return offline(over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,))))
 
     def __repr__(self) -> str:
-        return f"{self.scene.name}: {self.agreement}"
+        return f"{self.scene.name}: {self._verdicts}"
+
+    @property
+    def _verdicts(self) -> str:
+        """The verdict on the models, and beside it that on the limits, where there are any."""
+        return " ".join(map(str, filter(None, (self.agreement, self.limits_verdict))))
 
     def _repr_html_(self) -> str:
         from .tables.first_screen import answers
@@ -75,7 +80,7 @@ class CheckResult(Study):
         whole, _ = answers(self.scene, self.peaks, units(self.reference))
         designer = pd.DataFrame([answer.cells for answer in whole], columns=COLUMNS)
         more = [*self.missed, *self.reasons]
-        return _html(self.scene.title, str(self.agreement), [designer, untimed], more, self.svg())
+        return _html(self.scene.title, self._verdicts, [designer, untimed], more, self.svg())
 
 
 class Varied(Family):

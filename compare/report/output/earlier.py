@@ -120,6 +120,7 @@ class Summary(BaseModel):
     peaks: Rows[SummaryPeak]
     cheapest: Rows[_Choice]
     verdict: Table[OneLine]
+    limits_verdict: Table[OneLine] | None = None
     picture: str = ""
     complete: bool = True
     since_baseline: FewRows[Change] | None = None

@@ -217,6 +217,7 @@ def summary(study: Study) -> dict[str, Any]:
         "sketch": off_sketch(study.reference),
         "masses": tables.masses(study, SI),
         "verdict": study.agreement,
+        "limits_verdict": (limits := study.limits_verdict) and limits._asdict(),
         "proof": {
             "open_at": study.proof.open_at,
             "why": study.proof.why,

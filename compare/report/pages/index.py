@@ -38,6 +38,7 @@ def _row(folder: Path, known: Summary) -> dict[str, Any]:
         "link": quote(fsencode(folder.name) + b"/report.html") if (folder / "report.html").is_file() else "",
         "stopped": not known.complete,
         "agreement": Agreement(Word[known.verdict["word"]], known.verdict["sentence"]),
+        "limits": known.limits_verdict,
         "picture": b64encode(known.picture.encode()).decode(),  # as an image: no script of it can run
         "peaks": [(capital(peak.name), written(peak.value, peak.unit, units)) for peak in peaks],
         "since": "the baseline" if known.since_baseline is not None else "the last run",

@@ -1,14 +1,16 @@
 """What is proven, as rows and sentences: between the samples, and that these are all assemblies of a linkage."""
 
 from collections.abc import Iterator, Sequence
-from math import ceil, floor, isinf, log10
+from math import ceil, floor, inf, isinf, log10
 
 from scenes import Scene
 from scenes.model.enclosures import Assemblies, Enclosure
 from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
+from scenes.scene import ConstantSpeed
 
+from ...engines import registry
 from ...judge.agreement import Judgement
-from ...judge.proof import MET, place
+from ...judge.proof import place
 from ...mechanics.axis import cycle_name, turns_fully
 from ...mechanics.quantities import DIGITS, named, number, units, with_unit
 from . import TableRows
@@ -82,18 +84,35 @@ def sentences(study: Judgement) -> Iterator[str]:
         if largest is not None and (most := next(_bounds(study, [largest]))) != UNKNOWN:
             joint, where = largest.channel.removesuffix(".force"), place(scene, largest[4:])
             proofs.append(f"no pin carries more than {most} ({joint} {where})")
-        for least in _bounds(study, [row for row in proof.rows if row[:2] == (TRANSMISSION, "least") and row.low > 0]):
-            proofs.append(f"no transmission angle is below {least}")
+        if registry.in_closed_form(scene):
+            angles = [row for row in proof.rows if row[:2] == (TRANSMISSION, "least") and row.low > 0]
+            proofs += [f"no dyad's transmission angle is below {least}" for least in _bounds(study, angles)]
+        else:
+            proofs += _advantage(study)
         yield f"Proven {over}: {', '.join(proofs)}."
         unknown = [row for row, shown in zip(proof.rows, _bounds(study, proof.rows), strict=True) if shown == UNKNOWN]
         if unknown:
             names, why = list(dict.fromkeys(row.channel for row in unknown)), proof.why or WIDE
             more = f" and {len(names) - NAMED} more" * (len(names) > NAMED)
             yield f"No bound is known of {', '.join(names[:NAMED])}{more}, {place(scene, unknown[0][4:])}: {why}."
-    open_limits = [limit.text for limit in study.limits if limit.outcome != MET]
-    if study.limits:
-        met = f"{len(study.limits) - len(open_limits)} of {len(study.limits)} limits are met at every position"
-        yield f"{'; '.join([met, *open_limits])}."
+    if (verdict := study.limits_verdict) is not None:
+        yield verdict.sentence
+
+
+def _advantage(study: Judgement) -> Iterator[str]:
+    """Yield the least mechanical advantage of a linkage with a larger group, whose joints have no transmission angle.
+
+    It is the output's force along its motion over the drive's effort, without friction and weights: by power, the rate
+    of a steady drive over the output's speed, whose largest value is proven. Where the output rests it has no bound.
+    """
+    scene, shown = study.scene, units(study.reference)
+    row = next((row for row in study.proof.rows if row[:2] == (f"{scene.output}.speed", "most")), None)
+    if row is None or not isinstance(scene.drive, ConstantSpeed) or not 0 < row.low <= row.high < inf:
+        return
+    (newton, force), (per_effort, effort) = shown["N"], shown["N*m" if scene.driven_slide is None else "N"]
+    least, attained = (abs(scene.drive.speed) / speed * newton / per_effort for speed in (row.high, row.low))
+    amount = _outwards(least, attained, -1)
+    yield f"the output {scene.output} has at least {amount} {force} for each {effort} of the drive, without friction"
 
 
 def assemblies(scene: Scene, every: Assemblies) -> TableRows:

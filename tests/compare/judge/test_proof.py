@@ -1,5 +1,6 @@
 """What is proven over the whole range in a judgement: limits held against it, and where nothing is known."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -48,6 +49,35 @@ def test_a_limit_between_the_bounds_is_not_decided() -> None:
 def test_a_limit_of_what_is_not_proven_is_not_decided() -> None:
     (limit,) = held(limited({"limits": {"B.x": {"most": 4.1}}}), FEW, Enclosures((), (0.1, 0.2)))
     assert limit.outcome == "not decided"
+
+
+def test_models_and_limits_have_verdicts_of_their_own(tmp_path: Path) -> None:
+    """In a result's text, in a notebook and on the page of all reports."""
+    result = compare.check(limited(LIMITS), engines=("analytic", "exudyn"), samples=8)
+    missed = "limits missed: 3 of 4 limits are met at every position; B.x: at most 3.9 m missed: 4.000 m at "
+    assert str(result).startswith("slider_crank: agrees: exudyn agrees ")
+    assert missed in str(result)
+    assert missed in result._repr_html_()
+    assert result.limits_verdict is not None
+    assert result.limits_verdict.word == "missed"
+    assert compare.check(limited({}), engines=("analytic",), samples=8).limits_verdict is None
+    (tmp_path / "scene.toml").write_text(scene_files.text("pounds"), encoding="utf-8")
+    assert main([str(tmp_path / "scene.toml"), "--engines", "analytic", "--out", str(tmp_path)]) == 0
+    for page in ("index.html", "pounds/report.html"):
+        assert "✗ Limits missed</strong><span>0 of 2 limits are met" in (tmp_path / page).read_text(encoding="utf-8")
+
+
+def test_a_larger_group_has_a_mechanical_advantage_in_place_of_an_angle() -> None:
+    """By power it is the drive's rate over the output's speed, at the sample where that is largest."""
+    scene = scene_files.load("scissor_lift")
+    result = compare.check(scene, engines=("analytic",), samples=90)
+    (proven,) = [sentence for sentence in sentences(result) if sentence.startswith("Proven")]
+    motion, output = result.motions["analytic"], scene.output
+    fastest = np.hypot(motion[f"{output}.vx"], motion[f"{output}.vy"]).max()
+    found = re.search(r"has at least ([\d.]+) \S+ for each \S+ of the drive", proven)
+    assert found is not None, proven
+    assert float(found[1]) == pytest.approx(abs(scene.drive.speed) / fastest, rel=1e-3)  # type: ignore[union-attr]
+    assert "transmission" not in proven
 
 
 def test_machines_meet_limits_at_their_samples() -> None:
@@ -114,7 +144,7 @@ def test_a_bound_far_above_what_is_attained_is_not_known(most: float, why: str) 
     result = compare.check(limited({}), engines=("analytic",), samples=8)
     whole = " ".join(sentences(result))
     assert "no pin carries more than" in whole
-    assert "no transmission angle is below" in whole
+    assert "no dyad's transmission angle is below" in whole
     known = {row[:2]: row for row in result.proof.rows}
     force, angle = ("A.force", "most"), (TRANSMISSION, "least")
     known |= {force: known[force]._replace(high=most), angle: known[angle]._replace(low=-3.2)}
