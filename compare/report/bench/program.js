@@ -1,15 +1,15 @@
 // The linkage solved in the page: the core's formulas as they were recorded, for numbers that the reader changes.
-const bench = parsed(await unpacked("design"));
+const bench = JSON.parse(await unpacked("design"));
 const table = document.getElementById("bench"), inTable = selector => table.querySelector(selector);
-const index = byName(bench.numbers.map(({ path }, k) => [path, k]));
+const index = Object.fromEntries(bench.numbers.map(({ path }, k) => [path, k]));
 const design = Float64Array.from(bench.numbers, ({ value }) => value), edited = design.slice();
-const given = byName(Object.entries(bench.given).map(([name, values]) => [name, Float64Array.from(values)]));
+const given = Object.fromEntries(Object.entries(bench.given).map(([name, values]) => [name, Float64Array.from(values)]));
 const rate = index["drive.speed"];
 const compiled = text => new Function(`return ${text}`)();
 await pause();
 const line = compiled(bench.line), strokes = Object.entries(bench.strokes).map(([name, s]) => [name, s, compiled(s.text)]);
 const arrays = n => Array.from({ length: bench.channels.length + 1 }, () => new Float64Array(n)); // the last: the reach
-const column = byName(bench.channels.map((channel, k) => [channel, k]));
+const column = Object.fromEntries(bench.channels.map((channel, k) => [channel, k]));
 const LIMIT = 1e-11, WAY = 720, HALVINGS = 60; // of a channel's peak; positions of a stroke; of a bracket
 
 const largestAt = values => values.reduce((best, v, n) => (v > values[best] || Number.isNaN(values[best]) ? n : best), 0);
