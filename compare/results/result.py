@@ -113,6 +113,11 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
         halves = {c: values[::-1] for c, values in halves.items()}
     by = scene.drive_channel
     with_drive = by in columns
+    notes = []
+    if "time" in columns and rows > 2 and columns["time"][-1] == columns["time"][-2]:  # as some write the end twice
+        columns, halves = ({c: values[:-1] for c, values in of.items()} for of in (columns, halves))
+        notes.append(f"{name} has its last instant twice; the second row of it is left out")
+        rows -= 1
     _on_time(scene, columns, halves)
     own = frozenset(columns) - {"time", by}
     if not own:
@@ -121,7 +126,7 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
     cycles = f"{np.ptp(columns['time']) / scene.drive.cycle:.2g}"
     length = f"{cycles} cycle{'s' * (cycles != '1')} of the drive"
     over = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
-    notes = [f"{name} has {rows} {over}"]
+    notes.insert(0, f"{name} has {rows} {over}")
     if len(own) < len(known) - 2:
         notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
     if by in columns and scene.driven_slide is None:  # counted on from turn to turn, whatever turn each row is in

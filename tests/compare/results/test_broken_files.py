@@ -78,7 +78,7 @@ def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.Cap
         (with_cell("12 mm"), mapping, "found '12 mm'"),
         (with_cell("1.234,5"), mapping, "expected decimal points or decimal commas, found both"),
         (joined([cells[0], *cells[:0:-1]]), mapping, "row 3: expected a later instant than in the row before; 'backw"),
-        (joined([*cells, cells[-1]]), mapping, "row 14: expected a later instant than in the row before"),
+        (joined([*cells[:3], *cells[2:]]), mapping, "row 4: expected a later instant than in the row before"),
         (joined([*cells, [*cells[-1], "1"]]), mapping, "not a table: Expected 5 fields in line 14, saw 6"),
         (text.encode(), mapping + '"B.z" = "c1"', "columns.B.z: no such channel of the scene; did you mean 'B.y'?"),
         (text.encode(), 'columns = {"time" = "c0"}', "expected one channel more than the time and crank_angle"),

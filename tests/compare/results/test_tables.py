@@ -5,8 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from compare.results.result import read_result
 from compare.results.table import read_table
 from scenes import InputError
+from tests import scene_files
 
 FORMS = {
     "as it is": "t,x\n0,1.5\n1,2.5\n",
@@ -48,3 +50,16 @@ def test_what_is_no_table_is_named(text: str, line: str, tmp_path: Path) -> None
 
     with pytest.raises(InputError, match=re.escape(line)):
         read()
+
+
+def test_a_last_instant_that_is_there_twice(tmp_path: Path) -> None:
+    """Its second row is left out, which is a note; any other repeated instant is refused."""
+    scene = scene_files.load("offset_slider_crank")
+    rows = ["time [s],rod.omega [rad/s]", *(f"{0.01 * row},1.5" for row in range(4))]
+    (file := tmp_path / "a.csv").write_text("\n".join([*rows, rows[-1]]), encoding="utf-8")
+    result = read_result(scene, f"a={file}")
+    assert len(result.request.instants) == 4
+    assert "a has its last instant twice; the second row of it is left out" in result.notes
+    file.write_text("\n".join([*rows[:3], *rows[2:]]), encoding="utf-8")
+    with pytest.raises(InputError, match="row 4: expected a later instant"):
+        read_result(scene, f"a={file}")
