@@ -28,7 +28,8 @@ from .core.rubbing_joints import FrictionBalance
 from .recorded.arithmetics.in_numpy import StraightLine, blocks
 from .recorded.expressions import Line
 from .recorded.program import Program, inputs_at, recorded
-from .way.motion_range import describe
+from .way.motion_range import describe, motion_at
+from .way.singular import Meetings, meetings
 from .way.slider import stroke_end
 from .way.windings import Winding, windings
 
@@ -57,7 +58,8 @@ def solve(
         of a larger group, which takes many times as long as all else, is found when it is first looked up.
 
     Raises:
-        Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach.
+        Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach, or where
+            two assemblies meet between the positions and the sketch, which then leaves open the one that is meant.
         InputError: no scene, no such channel, or positions or instants that are no finite numbers.
         InputError: the drive follows a law, and no instants are given; or positions or instants are of another shape.
     """
@@ -95,6 +97,7 @@ class Solver:
     at_hand: tuple[Program, Line] | None = None  # the formulas as they are recorded already
     motion_at: Callable[[Scene, Linkage, Driven], Kinematics] | None = None  # another way to the kinematics
     windings: Mapping[str, Winding] = field(default_factory=dict)  # by input, where forces are wanted
+    as_sketched: bool = True  # whether its assembly is the one that the sketch picks
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
         """Solve as `solve` does, with what it returns and raises.
@@ -104,6 +107,7 @@ class Solver:
         single = self.at_hand is None and isinstance(position, np.ndarray) and position.dtype == np.float32
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(self.scene, position, time)
+        self.check_hull(position)
         self._solved[0] += len(position)
         line_pays = self.at_hand is not None or (len(position) >= LONG and self._solved[0] >= RECORDED_FROM)
         samples = self._by_line(driven, time) if line_pays and not single and self.motion_at is None else None
@@ -152,6 +156,21 @@ class Solver:
         return {
             name: part for names, row in rows.items() for name, part in zip(names, (row.real, row.imag), strict=False)
         }
+
+    def check_hull(self, position: Samples) -> None:
+        """Raise Failure, `cannot_assemble`, where assemblies meet between positions asked for and the sketch."""
+        if not self.as_sketched:
+            return
+        try:
+            self.meetings.check(self.scene, self.linkage, position)
+        except Failure:
+            check_reach(self.scene, self.linkage, motion_at(self.scene, self.linkage, position), position)
+            raise
+
+    @cached_property
+    def meetings(self) -> Meetings:
+        """Where two assemblies meet."""
+        return meetings(self.scene, self.linkage)
 
     def given_at(self, position: Samples, time: Samples) -> Given:
         """What elements need besides the motion, at positions of the drive and instants, s, of one shape."""

@@ -36,8 +36,8 @@ from ..core.groups.newton_group import own_jacobian
 from ..core.kinematics import followed, placed
 from ..recorded.arithmetics.box_line import inverses
 from ..solve import prepared
-from ..way.change_points import change_points
 from ..way.motion_range import End, motion_at, motion_range
+from ..way.singular import change_points
 
 SAME = 1e-6  # of the longest arm, or of a range: two poses, ends of intervals, or boxes with one zero
 MOST = 64  # branches of dyads of which circuits are looked for, each by its whole range
@@ -80,7 +80,7 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
             continue
         off = [np.ravel(z[point])[0] - complex(*xy) for point, xy in scene.sketch.points.items()]
         meant = all(np.all(np.abs(z[point] - own[point]) <= SAME * way.arm) for point in scene.moving_points)
-        motion = prepared(scene, way, channels)(at, np.zeros(1))
+        motion = replace(prepared(scene, way, channels), as_sketched=False)(at, np.zeros(1))
         away = float(np.linalg.norm(off)) / sqrt(len(off) or 1)
         made.append(Assembly(motion, meant, away, *known.get(_branches(way), (None, ()))))
     made.sort(key=lambda one: one.off_sketch)

@@ -75,6 +75,7 @@ def enclose(
     ):
         refuse("turns", "a whole number from 1" if scene.drive.periodic else "1 of a drive that runs once", turns)
     boxes = Boxes(scene, names, off)
+    boxes.core.check_hull(np.array(scene.drive.extent))
     return over_cycles(boxes, turns, lambda some: _extremes(some, accuracy))
 
 
@@ -99,6 +100,8 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     boxes, drive = Boxes(scene_of(scene), names, {}), scene.drive
     if drive.periodic and not isinstance(drive, ConstantSpeed):
         boxes = boxes.over(int(edges[0] // drive.cycle), int(edges[-1] // drive.cycle) + 1)
+    at = edges if isinstance(drive, ConstantSpeed) else drive.at(np.union1d(edges, boxes.edges)).position
+    boxes.core.check_hull(at)
     ends = np.union1d(edges, boxes.edges[(boxes.edges > edges[0]) & (boxes.edges < edges[-1])])
     models, own = boxes(ends[:-1], ends[1:])
     low, high = models.range

@@ -68,6 +68,7 @@ def derivative_solver(
     def at(position: ArrayLike, time: ArrayLike | None = None) -> Mapping[str, Samples]:
         position = finite_numbers("position", position)
         instants, driven = driven_at(scene, position, time)
+        solve.check_hull(position)
         given = {**solve.given_at(driven.position, instants), **inputs_at(driven, [solve.linkage.tracks])}
         found = line({**values, **given, "time follows": float(time is None)})[:, 0]
         if not (found[-1] >= 0).all():

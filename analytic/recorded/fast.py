@@ -96,6 +96,8 @@ class FastSolver(Solver):
         plain = position.dtype == np.float64 and position.ndim == 1
         if code is None or not plain or not np.isfinite(position).all() or not isinstance(drive, ConstantSpeed):
             return None
+        if self._way is not None and not (self._way[0] <= position.min() and position.max() <= self._way[1]):
+            return None
         rows = np.empty((len(code) + 2, 1, len(position)))
         reach, instants, positions = rows[-3:, 0]
         positions[:] = position
@@ -105,9 +107,16 @@ class FastSolver(Solver):
 
     @cached_property
     def _code(self) -> MachineCode | None:
-        """The line, if it is machine code of the time and the position alone."""
+        """The line, if it is machine code of the time and the position alone, and no assemblies meet on the way."""
+        if self.meetings.nearest:
+            return None
         line = self.at_hand[1] if self.at_hand else None
         return line if isinstance(line, MachineCode) and line.driven <= {"position", "time"} else None
+
+    @cached_property
+    def _way(self) -> tuple[float, float] | None:
+        """From where to where, m, a driven slider is known to have no place where assemblies meet; none of a crank."""
+        return None if self.scene.driven_slide is None else (self.meetings.first, self.meetings.last)
 
     @cached_property
     def _places(self) -> Mapping[str, int]:

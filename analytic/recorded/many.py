@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
-from typing import TypeAlias
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,10 +24,10 @@ from ..way.windings import Winding
 from .arithmetics.in_numpy import StraightLine
 from .branches import branches
 from .expressions import Line
+from .meetings import Ending, meeting, near_meeting
 from .program import Program, inputs_at, recorded
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
-Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
 
 
 @dataclass(frozen=True)
@@ -137,16 +136,27 @@ class ManySolver:
         for name, given in (("position", position), ("time", position if time is None else time)):
             if given.shape not in (shape[1:], shape):
                 raise InputError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
-        failed, own = dict(self.failed), self.program.own
+        several, own = self.between(position), self.program.own
+        failed = dict(several.failed)
         late = own if self.program.request.channels is None else frozenset[str]()
-        samples = self.block(slice(0, self.count), position, time, failed, own - late)
-        every = samples | {channel: partial(self._late, channel, position, time) for channel in late}
+        samples = several.block(slice(0, self.count), position, time, failed, own - late)
+        every = samples | {channel: partial(several._late, channel, position, time) for channel in late}
         found = Later({channel: every[channel] for channel in self.program.names}) if late else samples
         return Machines(found, *told(failed, self.count))
 
     def _late(self, channel: str, position: Samples, time: Samples | None) -> Samples:
         """One channel that is left to the core."""
         return self.block(slice(0, self.count), position, time, dict(self.failed), frozenset([channel]))[channel]
+
+    def between(self, position: Samples) -> "ManySolver":
+        """The same for positions, (n,) or (m, n), with machines failed whose assemblies meet among or before them."""
+        found = meeting([one for one in self.near if one not in self.failed], self._followed, position)
+        return replace(self, failed={**self.failed, **found}) if found else self
+
+    @cached_property
+    def near(self) -> Sequence[int]:
+        """The machines whose assemblies may meet somewhere."""
+        return near_meeting(self.scene, self.program, self.numbers, self.tracks or ())
 
     @np.errstate(all="ignore")  # a speed of zero, which is refused
     def block(
@@ -173,6 +183,7 @@ class ManySolver:
             given = {name: winding(position) for name, winding in self.windings.items()} | {"time": instants}
             filled = self.line({**numbers, **inputs_at(driven, self.tracks[rows]), **given})
         stopped = ~(filled[-1] >= 0)
+        stopped[[machine - rows.start for machine in self.failed if rows.start <= machine < rows.stop]] = True
         if stopped.any():
             filled[:, stopped] = np.nan
         channels = {name: np.full(shape, np.nan) for name in own}
@@ -214,6 +225,9 @@ class ManySolver:
         if not all(np.isfinite(motion[channel]).all() for channel in samples):
             return ending or (Status.nonfinite, "a channel holds values that are not finite")
         return ending
+
+    def _followed(self, machine: int) -> Solver:
+        return self.cores.get(machine) or self._core(machine, followed=True)
 
     def _core(self, machine: int, *, followed: bool) -> Solver:
         """The core's solver of one machine, which is kept."""

@@ -139,6 +139,7 @@ def reduce_many(
         kept = next((len(of) for of in vars(reduction).values() if isinstance(of, np.ndarray)), many.count)
         if isinstance(reduction, Extremes | Integral) and kept != many.count:
             refuse("reductions", f"{type(reduction).__name__}({reduction.channel!r}, {many.count})", kept)
+    many = many.between(np.array([positions.first, positions.last]) if isinstance(positions, Grid) else positions)
     failed, done = dict(many.failed), 0
     for rows, columns in blocks(many.count, n, 2 * BLOCK):
         at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]

@@ -17,6 +17,7 @@ from ..core.decomposition import Linkage, decompose
 from ..core.geometry import guide_of
 from ..core.kinematics import followed
 from .motion_range import SAMPLES, changes, describe, motion_at, unreached, zeros
+from .singular import meetings
 
 STILL = 1e-12  # of the longest arm: roundings of a slider that stands still
 
@@ -63,6 +64,7 @@ def inverse(
     displaced = displacement(scene, linkage, scene.output)
     least, most = scene.drive.extent
     way = np.linspace(least, most, SAMPLES)
+    meetings(scene, linkage).check(scene, linkage, way)
     if (apart := unreached(scene, linkage, way) != "").any():
         raise Failure(Status.cannot_assemble, describe(scene, linkage, float(way[apart][0])))
     if not np.ptp(displaced(way)[0]) > STILL * linkage.arm:

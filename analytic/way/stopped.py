@@ -12,8 +12,8 @@ from scenes.model.motion import kinematic_channels
 from ..core.decomposition import decompose
 from ..core.kinematics import followed
 from ..solve import prepared
-from .change_points import free_range
 from .motion_range import motion_at, motion_range, unreached
+from .singular import free_range
 
 BESIDE = np.array([1e-9, 1e-6, 1e-4])  # of the way, before the end: the last of the poses that a singular one leaves
 POSES = 361

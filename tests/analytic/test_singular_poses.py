@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import acos, cos, pi, radians, sin
 
 import numpy as np
@@ -73,11 +74,13 @@ def test_between_samples_each_dyad_is_refused_beyond_and_solved_near_its_singula
     for near in NEAR:
         run(scene(near))
     for beyond in BEYOND:
-        analytic.solve(scene(beyond), np.linspace(0.0123, 0.0123 + 2 * pi, 37))  # no sample is where it does not close
-        with pytest.raises(Failure) as caught:
-            run(scene(beyond))
-        assert caught.value.status is Status.cannot_assemble
-        assert caught.value.reason.partition("; drive.start and drive.end can limit a run to within ")[0] == why, beyond
+        between = np.linspace(0.0123, 0.0123 + 2 * pi, 37)  # no sample is where it does not close
+        for way in (partial(run, scene(beyond)), partial(analytic.solve, scene(beyond), between)):
+            with pytest.raises(Failure) as caught:
+                way()
+            assert caught.value.status is Status.cannot_assemble
+            reason = caught.value.reason.partition("; drive.start and drive.end can limit a run to within ")[0]
+            assert reason == why, beyond
 
 
 @pytest.mark.parametrize("dyad", SINGULAR)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analytic.way.singular import Meetings
 from compare import check
 from compare.engines import registry
 from compare.judge.checks import checks
@@ -58,6 +59,7 @@ def test_in_a_lock_doubles_can_tell_nothing() -> None:
     """The change point itself, where scenes that differ by nothing to speak of do not assemble, or jump."""
     scene = rung("parallelogram", "0")
     solve = registry.reference(scene)
+    vars(solve)["meetings"] = Meetings(0.0, 0.0, ())  # which else keep it from being solved
     motion = solve(TURN.commanded(scene), TURN.times(scene))
     scale = dict.fromkeys(channels(scene), 1.0)
     assert not explain(Reference(Mechanics(scene), solve, 1.0, {}, scale, Floor({}, "")), TURN).decidable
