@@ -63,6 +63,25 @@ def rrr_position(
     return p, p - d, area
 
 
+def bounded_rrr_position(
+    d: Vectors,
+    distance: Samples,  # noqa: ARG001 - as of `rrr_position`
+    r1: Number,
+    r2: Number,
+    reach: Samples,
+    branch: Number,
+) -> tuple[Vectors, Vectors, Samples]:
+    """Return what `rrr_position` does, in a form whose bounds grow 2.4 times from dyad to dyad, not 6 times.
+
+    With p = (k + i h) d, |p| = r1 and |q| = r2 are k = (1 + (r1^2 - r2^2) / |d|^2) / 2 and h^2 = r1^2 / |d|^2 - k^2, in
+    which fewer terms hold d. Next to a folded pose h loses digits; the area, by the reach, does not.
+    """
+    square = d.real * d.real + d.imag * d.imag
+    k = 0.5 + 0.5 * ((r1 - r2) * (r1 + r2)) / square
+    p = as_vectors(k, branch * np.sqrt(r1 * r1 / square - k * k)) * d
+    return p, p - d, 0.5 * branch * np.sqrt(reach)
+
+
 def slide_reach(r: Number | Samples, h: Number | Samples) -> Samples:
     """Return the square of the side along a guide in a right triangle: hypotenuse r, side h across the guide.
 

@@ -20,6 +20,7 @@ from scenes.scene import ConstantSpeed, Friction, Moment, PressForce, Spring, To
 
 from ..channels import all_channels, asked, of_larger
 from ..core.decomposition import Linkage, decompose
+from ..core.dyads import bounded_rrr_position, rrr_position
 from ..core.elements import acts, wound
 from ..core.friction import Loads, Rubbing
 from ..core.geometry import as_complex
@@ -28,6 +29,7 @@ from ..core.groups.group_equations import Group, size_of
 from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
+from ..core.placing import RRRPosition
 from ..core.rubbing_joints import FrictionBalance
 from ..way.windings import attitude
 from .expressions import Closing, Expression, Inputs, Recorder, forward
@@ -86,7 +88,7 @@ def recorded(
     driven: Any = Driven(*(Traced(make, make.input(name, sampled=True)) for name in Driven._fields))  # type: ignore[arg-type]
     if isinstance(opened.drive, ConstantSpeed):
         driven = driven._replace(rate=traced(make, opened.drive.speed), acceleration=traced(make, 0.0))
-    way = RecordedPass(make, opened, linkage, driven)
+    way = RecordedPass(make, opened, linkage, driven, rrr=bounded_rrr_position if proven else rrr_position)
     k = way.solve().k
     on, loads = Reactions(), dict[str, Traced]()
     strokes: dict[str, tuple[Expression, Expression]] = {}
@@ -144,8 +146,10 @@ def inputs_of(group: Group) -> tuple[list[str], str, str]:
 class RecordedPass(Pass):
     """Places everything as expressions."""
 
-    def __init__(self, make: Recorder, scene: Scene, linkage: Linkage, driven: Any) -> None:
-        super().__init__(scene, linkage, driven)
+    def __init__(
+        self, make: Recorder, scene: Scene, linkage: Linkage, driven: Any, *, rrr: RRRPosition = rrr_position
+    ) -> None:
+        super().__init__(scene, linkage, driven, rrr=rrr)
         self.make = make
         self.closed: dict[Group, Expression] = {}
         self.by_time = {driven.position.x: driven.rate.x}

@@ -103,9 +103,12 @@ def test_friction_that_contracts_is_enclosed(case: str) -> None:
         assert row.low - size <= values.min() if row.extreme == "least" else values.max() <= row.high + size, row
 
 
-@pytest.mark.parametrize(("count", "why"), [(16, "boxes are too few"), (30, "16 digits are too few")])
-def test_what_is_not_proven_has_a_reason(count: int, why: str) -> None:
+@pytest.mark.parametrize(
+    ("most", "count", "why"), [(100, 16, "100 boxes are too few"), (8000, 45, "16 digits are too few")]
+)
+def test_what_is_not_proven_has_a_reason(most: int, count: int, why: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Parallelograms in a row, where each dyad's bounds are some times as wide as those of the one before."""
+    monkeypatch.setattr("analytic.proven.boxes.MOST", most)
     found = analytic.enclose(windows(count), frozenset({f"B{count}.x"}))
     assert found.open_at is not None
     assert why in found.why
@@ -122,3 +125,11 @@ def windows(count: int) -> Scene:
         file = Path(folder) / "windows.toml"
         file.write_text(benchmark.text(count), encoding="utf-8")
         return scenes.load(file)
+
+
+def test_sixteen_windows_are_proven() -> None:
+    """In parallelograms each bar is the driven one again: B16 is 16 m beside B0, at cos x + 16 m."""
+    found = analytic.enclose(windows(16), frozenset({"B16.x"}))
+    assert found.open_at is None
+    most = next(row for row in found.rows if row.extreme == "most")
+    assert most.low <= np.cos(benchmark.END) + 16 <= most.high <= most.low + 1e-5
