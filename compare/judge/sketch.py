@@ -87,8 +87,14 @@ def off_sketch(reference: Reference) -> dict[str, float]:
 
 
 def rough(reference: Reference) -> bool:
-    """Whether an engine that takes another assembly may have read the sketch as well as the core has."""
-    return not max(off_sketch(reference).values(), default=np.inf) <= NEAR * reference.mechanics.size
+    """Whether an engine that takes another assembly may have read the sketch as well as the core has.
+
+    It is not where the sketch is near to an assembly, be it the core's or not.
+    """
+    scene, most = reference.scene, NEAR * reference.mechanics.size
+    if max(off_sketch(reference).values(), default=np.inf) <= most:
+        return False
+    return not max(_off(scene, _nearest(scene)).values(), default=np.inf) <= most
 
 
 def warnings(reference: Reference) -> Iterator[str]:
