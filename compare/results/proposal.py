@@ -19,7 +19,7 @@ from scenes.scene import ConstantSpeed
 
 from ..engines.registry import Solve, reference
 from .frame import KNOWN, OF_ANGLES, Frame, seen, unit_near, vectors
-from .proposal_text import NOISE, TOLD_APART, Axis, Pair, as_toml
+from .proposal_text import NOISE, NOTHING, TOLD_APART, Axis, Pair, as_toml
 from .result import name_and_file
 from .table import Table, read_table
 
@@ -64,10 +64,16 @@ def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
     numeric: dict[str, Samples] = {}
     for name in table.columns:
         with suppress(InputError):
+            table.complete([name])[0].numbers(name)
+            numeric[name] = NOTHING
+    table, _ = table.complete(numeric)
+    for name in [*numeric]:
+        with suppress(InputError):
             numeric[name] = table.numbers(name)[0]
+    numeric = {name: values for name, values in numeric.items() if values.size}
     if not numeric:
         raise InputError("expected columns of numbers, found none")
-    count = len(table.texts[0])
+    count = len(table.rows)
     if count < FEWEST:
         raise InputError(f"expected {FEWEST} rows at least to propose a mapping from, found {count}")
     rows = np.unique(np.linspace(0, count - 1, min(count, ROWS)).astype(int))

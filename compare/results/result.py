@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import InputError, Instants, Motion, Scene, Settings, Status, limits
 from scenes.errors import at_place, nearest, one_line
@@ -102,23 +103,26 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
     for other in mapping.columns:
         if other not in known:
             raise InputError(f"columns.{one_line(other, 60)}: no such channel of the scene{nearest(other, known)}")
-    rows = len(table.texts[0])
+    rows = len(table.rows)
     if rows * len(mapping.columns) > limits.VALUES:
         raise InputError(f"expected {limits.VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
+    table, left_out = table.complete(_named(given).column for given in mapping.columns.values())
+    numbers, rows = np.array(table.rows), len(table.rows)
     columns, halves = _in_si(table, mapping)
     _to_frame(columns, halves, mapping, relative=scene.drive_on != GROUND)
     _on_this_side(scene, columns, mapping.other_side)
     if mapping.backwards:
         columns = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in columns.items()}
         halves = {c: values[::-1] for c, values in halves.items()}
+        numbers = numbers[::-1]
     by = scene.drive_channel
     with_drive = by in columns
-    notes = []
+    notes = [f"{name}: {left_out}"] * bool(left_out)
     if "time" in columns and rows > 2 and columns["time"][-1] == columns["time"][-2]:  # as some write the end twice
         columns, halves = ({c: values[:-1] for c, values in of.items()} for of in (columns, halves))
         notes.append(f"{name} has its last instant twice; the second row of it is left out")
-        rows -= 1
-    _on_time(scene, columns, halves)
+        numbers, rows = numbers[:-1], rows - 1
+    _on_time(scene, columns, halves, numbers)
     own = frozenset(columns) - {"time", by}
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {by} at least")
@@ -149,12 +153,16 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
     return Result(run, Instants(tuple(columns["time"].tolist()), channels=own), halves, tuple(notes))
 
 
+def _named(given: str | ColumnTable) -> ColumnTable:
+    return ColumnTable.model_validate({"column": given}) if isinstance(given, str) else given
+
+
 def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
     """Return the columns in SI, and what their numbers may be off as written."""
     units = factors(mapping.units)
     columns, halves = Columns(), Columns()
     for channel, given in mapping.columns.items():
-        column = ColumnTable.model_validate({"column": given}) if isinstance(given, str) else given
+        column = _named(given)
         values, half = table.numbers(column.column)
         by = units[si := UNITS[quantity(channel)]]
         if column.unit is not None:
@@ -187,8 +195,11 @@ def _on_this_side(scene: Scene, columns: Columns, other_side: Sequence[str]) -> 
     columns |= {channel: -columns[channel] for channel in turned & columns.keys()}
 
 
-def _on_time(scene: Scene, columns: Columns, halves: Columns) -> None:
-    """Complete the instants, s, of rows that have a position of the drive alone, and check their order."""
+def _on_time(scene: Scene, columns: Columns, halves: Columns, rows: NDArray[np.int_]) -> None:
+    """Complete the instants, s, of rows that have a position of the drive alone, and check their order.
+
+    `rows` are the numbers of the rows in the file; where one is left out, a step is over two of them.
+    """
     drive, by = scene.drive, scene.drive_channel
     if "time" not in columns:
         if not isinstance(drive, ConstantSpeed):
@@ -204,11 +215,11 @@ def _on_time(scene: Scene, columns: Columns, halves: Columns) -> None:
     if not (steps > 0).all():
         row = int((~(steps > 0)).argmax())
         way = "; 'backwards' reads a drive that runs the other way" if (steps < 0).all() else ""
-        raise InputError(f"row {row + 3}: expected a later instant than in the row before{way}")
+        raise InputError(f"row {rows[row + 1]}: expected a later instant than in the row before{way}")
     first, last = columns["time"][0], columns["time"][-1]
     hair = min(halves["time"].max(), BEYOND * drive.cycle) + EQUAL * drive.cycle
     if not (drive.periodic or (first >= -hair and last <= drive.cycle + hair)):
         runs = f"from 0 to {drive.cycle:g} s, while the drive runs"
         raise InputError(f"time: expected instants {runs}, found {first:g} s to {last:g} s; its 'zero' shifts them")
-    if len(steps) > 1 and np.ptp(steps) <= EQUAL * 2 * halves["time"].max():
+    if len(steps) > 1 and np.ptp(steps / np.abs(np.diff(rows))) <= EQUAL * 2 * halves["time"].max():
         halves["time"] = np.zeros(len(steps) + 1)  # equal steps as written are not rounded

@@ -1,8 +1,8 @@
 """A text table of numbers, and by how much each may be off since it is written at decimals."""
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from hashlib import sha256
 from io import StringIO
@@ -22,6 +22,8 @@ SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 BLANKS = r"\s+"  # one or more of them between columns, where no name has any
 TO_E = str.maketrans("dD", "ee")  # of powers of ten as Fortran writes them
 NUMBER = re.compile(r"[+-]?(?=\.?\d)\d*(?:\.\d*)?(?:[eEdD][+-]?\d{1,3})?")
+MISSING = re.compile(r"([+-]?nan(\([a-z]*\))?)?", re.IGNORECASE)  # a cell without a number, as programs write it
+MAX_LEFT_OUT = 0.03  # of the rows, or one: where more lack a number, the table is not what the mapping says
 
 
 @dataclass(frozen=True)
@@ -31,23 +33,16 @@ class Table:
     sha256: str
     columns: tuple[str, ...]
     texts: Sequence[Sequence[str]]  # by column
-    above: int = 1  # lines above the first row
+    rows: Sequence[int]  # the number of each row's line in the file, counted from 1
 
     def numbers(self, column: str) -> tuple[Samples, Samples]:
         """Return a column of numbers, and half of the last decimal of each, both of shape (n,); or InputError."""
-        shown = one_line(column, 60)
-        if self.columns.count(column) != 1:
-            if column in self.columns:
-                raise InputError(f"column '{shown}' is there {self.columns.count(column)} times; expected it once")
-            raise InputError(f"no column '{shown}'{nearest(column, self.columns)}")
-        texts = self.texts[self.columns.index(column)]
+        texts = self._texts(column)
         values = [float(text.translate(TO_E)) if NUMBER.fullmatch(text) else np.inf for text in texts]
         for row, text in enumerate(texts):
             if not abs(values[row]) <= LARGEST:
-                cell = f"'{one_line(text, 30)}'" if text else "nothing"
-                raise InputError(
-                    f"row {row + self.above + 1}, column '{shown}': expected a number up to {LARGEST:g}, found {cell}"
-                )
+                where = f"row {self.rows[row]}, column '{one_line(column, 60)}'"
+                raise InputError(f"{where}: expected a number up to {LARGEST:g}, found {_shown(text)}")
         likes = texts  # of a column of one number, whose own digits show nothing, all that are in the file
         if len(set(texts)) == 1:
             likes = [each[row] for each in self.texts for row in (0, -1) if NUMBER.fullmatch(each[row])]
@@ -56,6 +51,38 @@ class Table:
         if (digits == digits.max()).sum() > (decimals == decimals.max()).sum():  # more are to the full in their digits
             last = np.array([_written(text)[2] for text in texts]) - digits.max() + 1
         return np.array(values), 0.5 * 10.0**last
+
+    def complete(self, columns: Iterable[str]) -> tuple["Table", str]:
+        """Return the rows that lack a number in none of some columns, and in a sentence which others there are.
+
+        The table is returned as it is where too many rows lack one: `numbers` names the first of them.
+        """
+        lack: dict[int, str] = {}  # by row: where, and what is there
+        for column in columns:
+            for row, text in enumerate(self._texts(column)):
+                if MISSING.fullmatch(text):
+                    lack.setdefault(row, f"column '{one_line(column, 60)}' has {_shown(text)}")
+        if not lack or len(lack) > max(1, MAX_LEFT_OUT * len(self.rows)) or len(lack) == len(self.rows):
+            return self, ""
+        kept = [row for row in range(len(self.rows)) if row not in lack]
+        texts = [[column[row] for row in kept] for column in self.texts]
+        first = min(lack)
+        numbers = ", ".join(str(self.rows[row]) for row in sorted(lack))
+        which = f"row {numbers} is" if len(lack) == 1 else f"rows {one_line(numbers, 60)} are"
+        why = f"{which} left out, {len(lack)} of {len(self.rows)}: in row {self.rows[first]} {lack[first]}"
+        return replace(self, texts=texts, rows=[self.rows[row] for row in kept]), why
+
+    def _texts(self, column: str) -> Sequence[str]:
+        shown = one_line(column, 60)
+        if self.columns.count(column) != 1:
+            if column in self.columns:
+                raise InputError(f"column '{shown}' is there {self.columns.count(column)} times; expected it once")
+            raise InputError(f"no column '{shown}'{nearest(column, self.columns)}")
+        return self.texts[self.columns.index(column)]
+
+
+def _shown(text: str) -> str:
+    return f"'{one_line(text, 30)}'" if text else "nothing"
 
 
 def _written(text: str) -> tuple[int, int, float]:
@@ -102,12 +129,12 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     texts = [list(column) for column in zip(*rows, strict=True)]
     if (decimal or _decimal(texts, separator)) == ",":
         texts = [[text.replace(",", ".") for text in column] for column in texts]
-    return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts, above + 1)
+    return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts, range(above + 2, above + 2 + len(rows)))
 
 
 def _of_units(row: Sequence[str]) -> bool:
-    """Whether no cell of a row has a number, nor is all of it empty."""
-    return any(row) and not any(re.match(r"[+-]?[.,]?\d", text) for text in row)
+    """Whether no cell of a row has a number, nor lack all of them one."""
+    return not all(map(MISSING.fullmatch, row)) and not any(re.match(r"[+-]?[.,]?\d", text) for text in row)
 
 
 def _separator(lines: Sequence[str]) -> str:

@@ -53,8 +53,12 @@ def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.Cap
     def joined(rows: list[list[str]]) -> bytes:
         return "\n".join(";".join(row) for row in rows).encode()
 
+    def without(first: int, end: int, cell: str) -> bytes:
+        some = [[*row[:2], cell, *row[3:]] for row in cells[first:end]]
+        return joined([*cells[:first], *some, *cells[end:]])
+
     def with_cell(cell: str) -> bytes:
-        return joined([*cells[:4], [*cells[4][:2], cell, *cells[4][3:]], *cells[5:]])
+        return without(4, 5, cell)
 
     cases: list[tuple[bytes, str, str]] = [
         (b"", mapping, "expected either commas, semicolons or tabs between the column names, found none"),
@@ -67,13 +71,13 @@ def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.Cap
         (text.replace("c1", "d1").encode(), mapping, "no column 'c1'; one of c0, c2, c3, c4, d1"),
         (text.replace("c1", "c2").encode(), mapping, "no column 'c1'"),
         (text.replace("c1", "c0").encode(), mapping, "column 'c0' is there 2 times"),
-        (with_cell(""), mapping, "row 5, column 'c2': expected a number up to 1e+30, found nothing"),
-        (with_cell("nan"), mapping, "row 5, column 'c2': expected a number up to 1e+30, found 'nan'"),
+        (without(4, 6, ""), mapping, "row 5, column 'c2': expected a number up to 1e+30, found nothing"),
+        (without(4, 6, "nan"), mapping, "row 5, column 'c2': expected a number up to 1e+30, found 'nan'"),
         *((with_cell(word), mapping, f"found '{word}'") for word in WORDS),
         (with_cell("1.5\0"), mapping, "expected a text file, found zero bytes"),
         (with_cell("1" * 20_000), mapping, "row 5, column 'c2': expected a number up to 1e+30, found '11"),
         (with_cell('"1'), mapping, "not a table: EOF inside string starting at row 4"),
-        (joined([*cells[:4], cells[4][:-1], *cells[5:]]), mapping, "row 5, column 'c4': expected a number"),
+        (joined([*cells[:4], *(row[:-1] for row in cells[4:])]), mapping, "row 5, column 'c4': expected a number"),
         (with_cell("1e99"), mapping, "row 5, column 'c2': expected a number up to 1e+30, found '1e99'"),
         (with_cell("12 mm"), mapping, "found '12 mm'"),
         (with_cell("1.234,5"), mapping, "expected decimal points or decimal commas, found both"),

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from compare.results.result import read_result
@@ -50,6 +51,39 @@ def test_what_is_no_table_is_named(text: str, line: str, tmp_path: Path) -> None
 
     with pytest.raises(InputError, match=re.escape(line)):
         read()
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "NaN", "-nan(ind)"])
+def test_a_row_without_a_number_is_left_out(cell: str, tmp_path: Path) -> None:
+    """It is named and counted, and only where its column is read; many of them are refused."""
+    scene, lines = scene_files.load("offset_slider_crank"), [f"{0.01 * row:.2f},1.5,2.5" for row in range(40)]
+    (file := tmp_path / "a.csv").write_text("# made\ntime [s],rod.omega [rad/s],rod.alpha\n" + "\n".join(lines))
+    whole = read_result(scene, f"a={file}")
+    lines[6] = f"0.06,1.5,{cell}"
+    file.write_text("# made\ntime [s],rod.omega [rad/s],rod.alpha\n" + "\n".join(lines), encoding="utf-8")
+    result = read_result(scene, f"a={file}")
+    assert result.request.instants == tuple(t for t in whole.request.instants if t != 0.06)
+    assert np.isfinite([*result.run.motion.samples.values()] if result.run.motion else np.nan).all()
+    shown = f"'{cell}'" if cell else "nothing"
+    note = f"a: row 9 is left out, 1 of 40: in row 9 column 'rod.alpha' has {shown}"
+    assert note in result.notes
+    assert not result.half_decimals["time"].any(), "the steps are equal but for the row that is left out"
+    file.with_suffix(".toml").write_text('columns = { time = "time [s]", "rod.omega" = "rod.omega [rad/s]" }')
+    assert not [note for note in read_result(scene, f"a={file}").notes if "left out" in note]
+    file.with_suffix(".toml").unlink()
+    lines[8:10] = [f"{0.01 * row:.2f},{cell},2.5" for row in (8, 9)]
+    file.write_text("time [s],rod.omega [rad/s],rod.alpha\n" + "\n".join(lines), encoding="utf-8")
+    with pytest.raises(
+        InputError, match=re.escape(f"column 'rod.omega [rad/s]': expected a number up to 1e+30, found {shown}")
+    ):
+        read_result(scene, f"a={file}")
+
+
+def test_a_row_of_nothing_but_gaps_is_none_of_units(tmp_path: Path) -> None:
+    (file := tmp_path / "a.csv").write_text("t,x\nnan,nan\n0,1.5\n1,2.5\n", encoding="utf-8")
+    table, why = read_table(file, None, None).complete(["t", "x"])
+    assert table.numbers("x")[0].tolist() == [1.5, 2.5]
+    assert why == "row 2 is left out, 1 of 3: in row 2 column 't' has 'nan'"
 
 
 def test_a_last_instant_that_is_there_twice(tmp_path: Path) -> None:
