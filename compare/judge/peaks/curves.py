@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -39,7 +41,7 @@ class CycleCurve:
 
     def values(self, motion: Motion) -> Values:
         """Its values in a motion."""
-        values: Values = np.sum([part * motion[channel] for channel, part in self.parts.items()], axis=0) - self.origin
+        values: Values = reduce(add, (part * motion[channel] for channel, part in self.parts.items())) - self.origin
         return values * np.exp(1j * motion[self.angle]) if self.angle else values
 
     def direction(self, motion: Motion, row: int) -> float:

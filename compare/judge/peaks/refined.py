@@ -89,14 +89,12 @@ def refined(
         except Failure:
             break
         parts = [*parts, motion] if jump else [cycle, motion]  # the last samples are nearest to an extreme
-        own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(scene, followed, motion))]
-        nearer = [_vertex(around[..., k, :], y) for k, y in enumerate(own)]
+        near = _vertex(around[..., : len(rows), :], _near_own(scene, followed, motion, around.shape))
         if levels:
             values = [level.reshape(around.shape) for level in _beyond(scene, motion)]
-            nearer += [
-                around[..., k, 1] - step[..., 0] * _newton(values[n][..., k, :]) for k, n in enumerate(levels, len(own))
-            ]
-        near = np.stack(nearer, axis=-1)
+            passed = [values[n][..., k, :] for k, n in enumerate(levels, len(rows))]
+            corners_at = around[..., len(rows) :, 1] - step * _newton(np.stack(passed, axis=-2))
+            near = np.concatenate([near, corners_at], axis=-1)
         if followed[0].kind == "path":  # whose two ends depend on each other
             ends = followed[0].values(motion).reshape(around.shape)[..., :2, side - 1 : side + 2]
             near[..., :2] = around[..., :2, side] + step * _to_longest(ends)
@@ -119,6 +117,22 @@ def heights(scene: Scene, followed: Sequence[CycleCurve], motion: Motion) -> Ite
             yield -np.abs(values) if curve.kind in LEAST else np.abs(values)
 
 
+def _near_own(scene: Scene, followed: Sequence[CycleCurve], motion: Motion, shape: tuple[int, ...]) -> Samples:
+    """What is largest at each place, by the samples near it, shape (..., k, j); the motion's are of `shape`, flat.
+
+    Places follow each other as `heights` has them. Of a path all samples matter, as its chord is theirs.
+    """
+    found: list[Samples] = []
+    for curve in followed:
+        first = len(found)
+        most = 2 if curve.kind in ("path", "displacement") else 6 if curve.kind == "effort" else 1  # places of a curve
+        rows = slice(first * shape[-1], (first + most) * shape[-1])
+        part = motion if curve.kind == "path" else Motion({c: motion[c][..., rows] for c in ("time", *curve.channels)})
+        near = (height.reshape(*shape[:-2], -1, shape[-1]) for height in heights(scene, [curve], part))
+        found += [height[..., k, :] for k, height in enumerate(near)]
+    return np.stack(found, axis=-2)
+
+
 def _to_longest(ends: Values) -> Samples:
     """How many steps further two places are furthest apart, shape (..., 2), by samples around both, (..., 2, 3)."""
     before, z, after = np.moveaxis(ends, -1, 0)
@@ -136,7 +150,8 @@ def in_order(parts: Sequence[Motion]) -> Motion:
     """Several motions of the same channels as one, in the order of the time."""
     joined = {c: np.concatenate([part[c] for part in parts], axis=-1) for c in parts[0].samples}
     order = np.argsort(joined["time"], axis=-1, kind="stable")
-    return Motion({c: np.take_along_axis(values, order, -1) for c, values in joined.items()})
+    order += order.shape[-1] * np.arange(order.size // order.shape[-1]).reshape(*order.shape[:-1], 1)  # of all samples
+    return Motion({c: np.take(values, order) for c, values in joined.items()})
 
 
 def _top(height: Samples, *, repeats: bool) -> Samples:

@@ -88,9 +88,10 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     rows = np.flatnonzero([ended is Status.ok for ended in status])
     if not rows.size:
         return SolvedMachines(status, reason, rows, Motion({}), ())
-    motion = Motion({name: values[rows] for name, values in motion.samples.items()})
-    many = scene.with_numbers(numbers_of(scene, {path: values[rows] for path, values in changes.items()}))
-    quantities = curves(many, scale, motion)
+    if rows.size < count:
+        motion = Motion({name: values[rows] for name, values in motion.samples.items()})
+        many = scene.with_numbers(numbers_of(scene, {path: values[rows] for path, values in changes.items()}))
+        quantities = curves(many, scale, motion)
     found = numbers(scene, quantities, motion, exact=True)
     of_one = [n for n in found if n.unit != "W"]  # a power is a product of two
     placed = [n for n in of_one if n.row is not None or n.kind == STROKE]  # at one place, or between two; no sums
