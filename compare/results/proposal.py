@@ -19,9 +19,10 @@ from scenes.scene import ConstantSpeed
 
 from ..engines.registry import Solve, reference
 from .frame import KNOWN, OF_ANGLES, Frame, seen, unit_near, vectors
+from .joined import read_tables
 from .proposal_text import NOISE, NOTHING, TOLD_APART, Axis, Pair, as_toml
-from .result import name_and_file
-from .table import Table, read_table
+from .result import name_and_files
+from .table import Table
 
 FEWEST, ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
 LATE = 24  # parts of a cycle in which the table may begin
@@ -36,14 +37,14 @@ SAME_UNIT = 2e-3  # relative: of a unit, a frame's angle
 
 def proposed(scene: Scene, text: str) -> str:
     """Return a mapping for a table, NAME=FILE.csv, as TOML with a remark on how sure each line is; or InputError."""
-    _, file = name_and_file(text)
+    _, files = name_and_files(text)
+    table = read_tables(files, None, None)
     try:
-        table = read_table(file, None, None)
         names, columns = _numbers(table)
         solve = reference(scene)
         axis, alone = _nearest(scene, solve, names, columns)
     except InputError as error:
-        raise InputError(f"{file}: {error}") from None
+        raise InputError(f"{', '.join(map(str, files))}: {error}") from None
     except Failure as failure:
         raise InputError(f"{scene.file}: {failure.reason}") from None
     rest = [k for k, name in enumerate(names) if name != axis.column]

@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
+from os.path import isfile
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
@@ -20,8 +21,9 @@ from scenes.scene import GROUND, ConstantSpeed
 from ..engines import registry
 from ..engines.runner import Run
 from .frame import Frame, seen, vectors
+from .joined import read_tables
 from .mapping import ColumnTable, MappingFile, factors, mapping_of, named_columns
-from .table import Table, read_table
+from .table import Table
 
 Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
 
@@ -66,7 +68,7 @@ def read_results(scenes: Sequence[Scene], texts: Sequence[str], asked: frozenset
     """Read the results that arguments name, see `read_result`, in the channels that are asked for; None for all."""
     if len(scenes) > 1:
         raise InputError(f"arguments: --result: expected one scene, which it is of, found {len(scenes)}")
-    names = [name_and_file(text)[0] for text in texts]
+    names = [name_and_files(text)[0] for text in texts]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"arguments: --result: two results are named '{name}'; expected a name for each")
@@ -76,29 +78,37 @@ def read_results(scenes: Sequence[Scene], texts: Sequence[str], asked: frozenset
 def read_result(scene: Scene, text: str) -> Result:
     """Read a result of a linkage, NAME=FILE.csv as of `--result`; its mapping is beside it, or in the scene.
 
+    Several files, NAME=FILE.csv,FILE.csv, are joined by their instants; the mapping is beside the first of them.
+
     It is in SI, in the scene's frame, its rows in the order of the time; InputError where it cannot be or does not fit.
     """
-    name, file = name_and_file(text)
-    mapping, where = mapping_of(scene, name, file)
-    with at_place(one_line(str(file))):
-        table = read_table(file, mapping.separator, mapping.decimal)
+    name, files = name_and_files(text)
+    mapping, where = mapping_of(scene, name, files[0])
+    axes = ("time", scene.drive_channel)
+    instants = {_named(mapping.columns[axis]).column for axis in axes if axis in mapping.columns}
+    table = read_tables(
+        files, mapping.separator, mapping.decimal, instants or {f"{a} [{UNITS[quantity(a)]}]" for a in axes}
+    )
+    with at_place(one_line(", ".join(map(str, files)))):
         if not mapping.columns:
             mapping = mapping.model_copy(update={"columns": named_columns(table.columns, channels(scene))})
-        return _mapped(scene, name, file, table, mapping, where)
+        return _mapped(scene, name, files, table, mapping, where)
 
 
-def name_and_file(text: str) -> tuple[str, Path]:
-    """Return the name, which is no engine's, and the file of an argument NAME=FILE.csv."""
-    name, equals, file = text.partition("=")
-    if not (equals and file and re.fullmatch(NAME, name) and len(name) <= limits.NAME):
+def name_and_files(text: str) -> tuple[str, list[Path]]:
+    """Return the name, which is no engine's, and the files of an argument NAME=FILE.csv, or NAME=FILE.csv,FILE.csv."""
+    name, _, file = text.partition("=")
+    whole = isfile(file)  # noqa: PTH113 - Path raises for odd names
+    files = [Path(file)] if whole else [Path(each) for each in file.split(",") if each]
+    if not (files and re.fullmatch(NAME, name) and len(name) <= limits.NAME):
         shown = one_line(text, 60)
         raise InputError(f"--result: expected NAME=FILE.csv, the name of letters, digits and '_', found '{shown}'")
     if name in registry.ENTRIES:
         raise InputError(f"--result: '{name}' is the name of an engine; expected another")
-    return name, Path(file)
+    return name, files
 
 
-def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFile, where: str) -> Result:
+def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mapping: MappingFile, where: str) -> Result:
     known = channels(scene)
     for other in mapping.columns:
         if other not in known:
@@ -139,10 +149,10 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
         notes.append(f"{name} gives no {by}; it is taken as commanded")
     motion = Motion({c: columns.get(c, drive) for c in known if c in columns or c == by})
     origin = Provenance(
-        file.name,
+        ", ".join(file.name for file in files),
         promise=mapping.promise,
         drive_promise=mapping.promise,
-        file=one_line(str(file)),
+        file=one_line(", ".join(map(str, files))),
         sha256=table.sha256,
         made_by=one_line(mapping.made_by),
         made_with=one_line(mapping.made_with),
