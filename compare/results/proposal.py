@@ -20,7 +20,8 @@ from scenes.scene import ConstantSpeed
 from ..engines.registry import Solve, reference
 from .frame import KNOWN, OF_ANGLES, Frame, seen, unit_near, vectors
 from .joined import read_tables
-from .proposal_text import NOISE, NOTHING, TOLD_APART, Axis, Pair, as_toml
+from .moving_axes import by_links, left_by, moving
+from .proposal_text import NOISE, NOTHING, SURE, TOLD_APART, Axis, Pair, as_toml
 from .result import name_and_files
 from .table import Table
 
@@ -55,9 +56,25 @@ def proposed(scene: Scene, text: str) -> str:
     ways = []
     for mirrored, angle in product((False, True), turn + pi / 2 * np.arange(4)):
         theirs = seen(Frame(float(angle if mirrored else -angle), mirrored=mirrored), own)
-        ways.append((*_paired(theirs, columns[rest]), (float(angle), mirrored)))
-    pairs, _, frame = min(ways, key=lambda way: way[1] + FRAME * any(way[2]))
-    return "\n".join(as_toml(scene, axis, [names[k] for k in rest], pairs, frame, alone)) + "\n"
+        ways.append((*_paired(moving(theirs), columns[rest]), (float(angle), mirrored)))
+    best = min(ways, key=lambda way: way[1] + FRAME * any(way[2]))
+    pairs, _, frame = next((way for way in ways if not any(way[2]) and _as_well(way[0], best[0])), best)
+    left = {pair.column: pair.left for pair in pairs}
+    known = [min(SURE, max(left.get(k, 1.0), NOISE) / TOLD_APART) for k in range(len(rest))]
+    by_link = by_links(own, columns[rest], known)
+    pairs = [pair for pair in pairs if pair.column not in {each.column for each in by_link}]
+    return "\n".join(as_toml(scene, axis, [names[k] for k in rest], pairs, frame, by_link, alone=alone)) + "\n"
+
+
+def _as_well(pairs: Sequence[Pair], best: Sequence[Pair]) -> bool:
+    """Return whether pairs fit all columns that the best ones do, as far as readings can be told apart."""
+    own = {pair.column: pair for pair in pairs}
+    return all(
+        (pair := own.get(other.column)) is not None
+        and pair.left <= TOLD_APART * max(other.left, NOISE)
+        and bool(pair.unit) >= bool(other.unit)
+        for other in best
+    )
 
 
 def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
@@ -116,10 +133,10 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
             true = solve(scene.drive.at(axis.time + lag).position, axis.time + lag).samples
         except Failure:
             return np.ones(len(names))
-        leaves = []
-        for c in (c for c in channels(scene)[2:] if c[-1] != "y"):
+        leaves, moves = [np.ones(len(names))], moving({c: true[c] for c in channels(scene)[2:]})
+        for c in dict.fromkeys(f"{c[:-1]}x" if c[-1] == "y" else c for c in moves):
             base = np.array([true[f"{c[:-1]}{q}"] for q in ("xy" if c[-1] == "x" else c[-1])])
-            leaves.append(_left(np.unwrap(base) if quantity(c) == "angle" else base, columns))
+            leaves.append(left_by(np.unwrap(base) if quantity(c) == "angle" else base, columns))
         return np.asarray(np.min(leaves, axis=0) + NOISE**2)
 
     def mean(of: Axis) -> float:
@@ -163,17 +180,6 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
     return best._replace(lag=lag), not any(as_good(one, best) and apart(one, best) for one in tried)
 
 
-def _left(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
-    """Return the share of each column's square that is left by the line, or the plane, nearest to it."""
-    centred = columns - columns.mean(axis=1, keepdims=True)
-    whole = (centred**2).sum(axis=1)
-    first = base[np.argsort(-np.ptp(base, axis=1))]  # what stays comes last, as it gives no direction
-    q, r = np.linalg.qr((first - first.mean(axis=1, keepdims=True)).T)
-    q = q[:, np.abs(np.diag(r)) > 1e-9 * np.abs(base).max()]
-    share: Samples = 1 - ((centred @ q) ** 2).sum(axis=1) / np.where(whole > 0, whole, np.inf)
-    return np.clip(np.where(whole > 0, share, 1.0), 0.0, 1.0)
-
-
 def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
     """Return the angle of the frame but for right angles: the one that most columns have to a vector they fit."""
     angles = []
@@ -181,7 +187,7 @@ def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
         base = np.array([true[x], true[y]])
         base = base - base.mean(axis=1, keepdims=True)
         if np.linalg.cond(base) < 1e3:
-            for column in columns[_left(base, columns) < SAME]:
+            for column in columns[left_by(base, columns) < SAME]:
                 a, b = np.linalg.lstsq(base.T, column - column.mean(), rcond=None)[0]
                 angles.append(4 * np.arctan2(b, a))
     apart = np.abs(np.angle(np.exp(1j * np.subtract.outer(angles, angles))))

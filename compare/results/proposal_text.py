@@ -10,6 +10,7 @@ from scenes import Scene
 from scenes.model.motion import UNITS, Samples, channels, quantity
 
 from .frame import KNOWN, LENGTHS, OF_ANGLES
+from .moving_axes import ByLink
 
 SAME_ZERO = 2e-3  # relative: places of one origin
 SURE = 1e-3  # of a column: what its channel leaves at most
@@ -47,6 +48,8 @@ def as_toml(
     names: Sequence[str],
     pairs: Sequence[Pair],
     frame: tuple[float, bool],
+    by_link: Sequence[ByLink],
+    *,
     alone: bool,
 ) -> Iterator[str]:
     """Yield the lines of a mapping, each with a remark on how sure it is.
@@ -83,7 +86,10 @@ def as_toml(
         remark += "" if pair.unit else "; its unit is unknown"
         line = _line(pair.channel, names[pair.column], pair.unit, pair.sign, 0.0 if free else pair.zero, UNITS[kind])
         yield f"{line}  # {remark}"
-    left_over = {*range(len(names))} - {pair.column for pair in pairs}
+    for each in by_link:
+        what = f"{each.vector}x, {each.vector}y by the axes of {each.body}"
+        yield f"# No mapping reads {names[each.column]}: it is of {what}, not the ground's; leaves {each.left:.0e}"
+    left_over = {*range(len(names))} - {pair.column for pair in pairs} - {each.column for each in by_link}
     if left_over:
         yield f"# Fits no channel: {', '.join(names[k] for k in sorted(left_over))}"
 
