@@ -16,7 +16,7 @@ import numpy as np
 
 from scenes.model.motion import Samples, quantity
 
-COMPONENTS = {f"{of}{axis}" for of in ("", "v", "a", "f") for axis in "xy"}
+COMPONENTS = {f"{of}{axis}" for of in ("", "v", "a", "f", "guide_f") for axis in "xy"}
 ANGLES = ("angle", "crank_angle")
 MOMENTS = ("guide_moment", "torque")
 TURNING = ("omega", "alpha", "guide_force", *MOMENTS)  # of the opposite sign where a frame is mirrored
@@ -60,7 +60,7 @@ def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
     for x, y in vectors(samples):
         zero = 0 * samples[x if x in samples else y]
         vector = turn * (samples.get(x, zero) + way * 1j * samples.get(y, zero))
-        if quantity(x) != "fx":
+        if quantity(x) not in ("fx", "guide_fx"):
             vector = frame.factor * vector + (frame.origin if quantity(x) == "x" else 0)
         other |= {c: part for c, part in ((x, vector.real), (y, vector.imag)) if c in samples}
     return other

@@ -21,6 +21,7 @@ from scenes.scene import GROUND, ConstantSpeed
 from ..engines import registry
 from ..engines.runner import Run
 from .frame import Frame, seen, vectors
+from .guides import GUIDE, guide_components, to_guides
 from .joined import read_tables
 from .mapping import ColumnTable, MappingFile, factors, mapping_of, named_columns
 from .table import Table
@@ -91,7 +92,7 @@ def read_result(scene: Scene, text: str) -> Result:
     )
     with at_place(one_line(", ".join(map(str, files)))):
         if not mapping.columns:
-            mapping = mapping.model_copy(update={"columns": named_columns(table.columns, channels(scene))})
+            mapping = mapping.model_copy(update={"columns": named_columns(table.columns, _readable(scene))})
         return _mapped(scene, name, files, table, mapping, where)
 
 
@@ -109,10 +110,10 @@ def name_and_files(text: str) -> tuple[str, list[Path]]:
 
 
 def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mapping: MappingFile, where: str) -> Result:
-    known = channels(scene)
+    known, names = channels(scene), _readable(scene)
     for other in mapping.columns:
-        if other not in known:
-            raise InputError(f"columns.{one_line(other, 60)}: no such channel of the scene{nearest(other, known)}")
+        if other not in names:
+            raise InputError(f"columns.{one_line(other, 60)}: no such channel of the scene{nearest(other, names)}")
     rows = len(table.rows)
     if rows * len(mapping.columns) > limits.VALUES:
         raise InputError(f"expected {limits.VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
@@ -120,6 +121,7 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     numbers, rows = np.array(table.rows), len(table.rows)
     columns, halves = _in_si(table, mapping)
     _to_frame(columns, halves, mapping, relative=scene.drive_on != GROUND)
+    to_guides(scene, columns, halves, mapping.promise)
     _on_this_side(scene, columns, mapping.other_side)
     if mapping.backwards:
         columns = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in columns.items()}
@@ -163,6 +165,11 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     return Result(run, Instants(tuple(columns["time"].tolist()), channels=own), halves, tuple(notes))
 
 
+def _readable(scene: Scene) -> tuple[str, ...]:
+    """Return what a column may be: a channel, or a component of a guide's force."""
+    return (*channels(scene), *guide_components(scene))
+
+
 def _named(given: str | ColumnTable) -> ColumnTable:
     return ColumnTable.model_validate({"column": given}) if isinstance(given, str) else given
 
@@ -174,7 +181,7 @@ def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
     for channel, given in mapping.columns.items():
         column = _named(given)
         values, half = table.numbers(column.column)
-        by = units[si := UNITS[quantity(channel)]]
+        by = units[si := "N" if quantity(channel) in GUIDE else UNITS[quantity(channel)]]
         if column.unit is not None:
             by = factor(column.unit, si, f"{channel}, as {si} is", f"columns.{channel}.unit")
         columns[channel], halves[channel] = column.sign * by * (values - column.zero), by * half
