@@ -1,7 +1,7 @@
 """One scene through the whole comparison."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import TYPE_CHECKING, Self
 
@@ -99,7 +99,10 @@ def study(
         first = judged_by(()) if isinstance(accuracy, str) else None  # so that a stop leaves the main runs
         if first and budget == NO_CLOCK:
             return Study.of(first)
-        speed = speed_table(reference, able, budget, report, sampling.channels, runs)
+        if not first:  # an accuracy is chosen by no clock
+            budget = replace(budget, share=1.0)
+        main = first.measurements if first and not budget.full else ()
+        speed = speed_table(reference, able, budget, report, sampling.channels, runs, main)
         judged = first or judged_by(speed)
     names = [*engines, *(result.run.engine for result in results)]
     judged.reasons.extend(_left_out(names, len(judged.measurements), able, len(speed), full=budget.full))

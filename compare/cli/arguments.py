@@ -76,6 +76,7 @@ def parser() -> argparse.ArgumentParser:
     earlier = parser.add_mutually_exclusive_group().add_argument
     earlier("--baseline", type=Path, metavar="FILE", help=about)
     earlier("--against", type=Path, metavar="OLD", help="the same, and draw that run beside this one in the report")
+    parser.set_defaults(since=0.0)  # s of processor time, at which the speed table before ended
     add("--open", action="store_true", help="open each report in the browser when it is written")
     return parser
 

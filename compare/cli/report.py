@@ -17,11 +17,13 @@ from scenes.errors import nearest
 from ..ci.baseline import changes
 from ..engines import registry
 from ..engines.processes.stopping import Stopped, stoppable
+from ..engines.runner import processor_time
 from ..judge.agreement import Judgement
 from ..judge.errors import shown_groups
 from ..judge.floor import UnsolvedError, solvable
 from ..judge.measure import Miss
 from ..measure.many.grid import grid
+from ..measure.speed.share import THIRD
 from ..measure.speed.speed_table import NO_CLOCK, Budget
 from ..report.output import files
 from ..report.output.earlier import Change, Summary, before, last
@@ -39,7 +41,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
             raise Stopped
         show(doing)
 
-    budget = NO_CLOCK if options.no_speed else Budget(rounds=20, seconds=0.15)
+    budget = NO_CLOCK if options.no_speed else Budget(rounds=20, seconds=0.1, share=THIRD, since=options.since)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     try:
@@ -48,7 +50,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
             result = study(scene, options.engines, request, budget, progress, accuracy, options.result)
             if options.full:
                 result = _in_full(result, options, progress)
-            stopped = stopping()
+            stopped, options.since = stopping(), processor_time()
     except UnsolvedError as unsolved:
         known = files.unsolved_summary(scene, request, unsolved)
         folder = files.write_unsolved(scene, unsolved, options.out, known | _since(scene, options, known))
@@ -104,7 +106,7 @@ def print_result(result: Study) -> None:
         lines.append(f"{m.run.engine:14} {m.run.status.name:15} {errors}")
     lines += [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
     lines += [f"likely cause: {cause}" for cause in result.causes.values()]
-    for line in filter(None, (*lines, *result.reasons, speed_tables.verdict(result))):
+    for line in filter(None, (*lines, *result.reasons, speed_tables.verdict(result), speed_tables.left_out(result))):
         print(f"{result.scene.name}  {line}")
 
 

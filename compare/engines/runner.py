@@ -68,6 +68,8 @@ def limits(scene: Scene, request: Request, settings: Several) -> Limits:
 class Runs:
     """Runs engines in this process; `processes.workers.Workers` runs each in one of its own."""
 
+    apart = 0.0  # s of processor time that runs took in other processes
+
     def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
         """Build, solve and read, each timed apart, at the default settings if None; `complete` looks at what comes."""
         if settings is None and not registry.ENTRIES[name].missing:

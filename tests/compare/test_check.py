@@ -84,7 +84,7 @@ def test_equal_calls_choose_the_same_settings(monkeypatch: pytest.MonkeyPatch) -
             return replace(done, solve_s=1e3 if done.settings and done.settings.label == slow else 1e-3)
 
         with monkeypatch.context() as patch:
-            patch.setattr("compare.study.workers", lambda *_: nullcontext(SimpleNamespace(run=run)))
+            patch.setattr("compare.study.workers", lambda *_: nullcontext(SimpleNamespace(run=run, apart=0.0)))
             result = compare.check("four_bar", engines=("analytic", "exudyn"), samples=72, accuracy=1e-4)
         assert result.ok
         chosen.append([m.run.settings.label for m in result.measurements if m.run.settings])

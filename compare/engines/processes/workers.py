@@ -4,15 +4,17 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
+from math import isnan
 from multiprocessing import current_process
 from operator import call
 from threading import Lock, Timer
+from time import perf_counter
 from typing import Any, TypeVar
 
-from scenes import Scene
+from scenes import Request, Scene
 
 from .. import registry
-from ..runner import HERE, LIMITS, Runs
+from ..runner import HERE, LIMITS, Run, Runs, Several
 from ..threads import one_thread
 from .inside import PLAIN, Ended, Limits
 from .isolation import Poll, Worker
@@ -31,6 +33,13 @@ class Workers(Runs):
         self._workers: dict[str, Worker[Callable[[], Any], Any]] = {}
         self._scene: Scene | None = None  # that was asked for last
         self._deaths: dict[str, list[Ended]] = {}  # by engine, on that scene
+
+    def _runs(self, name: str, scene: Scene, request: Request, settings: Several, *, reads: bool) -> list[Run]:
+        began = perf_counter()
+        ended = super()._runs(name, scene, request, settings, reads=reads)
+        seconds = sum(run.seconds for run in ended)
+        self.apart += perf_counter() - began if isnan(seconds) else seconds  # a run that failed has no times
+        return ended
 
     def begin(self, name: str) -> Worker[Callable[[], Any], Any]:
         """Begin an engine's process, which imports the engine while nobody waits for it."""

@@ -9,31 +9,31 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import accumulate, chain, groupby, product
-from math import ceil, inf, nan
+from math import inf, nan
 from statistics import median
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Sampling, Settings, Status
+from scenes import Settings, Status
 from scenes.model.motion import channels as known_channels
 
 from ...engines.processes.stopping import Progress, kept
 from ...engines.registry import REFERENCE, settings_of, tiers
 from ...engines.runner import HERE, Run, Runs
-from ...judge.measure import Measurement, measure
+from ...judge.measure import Measurement, assess
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain
+from .share import ERRORS, LEFT_OUT, SAMPLING, Part, Watch, at_samples, last_run, steps_per_cycle
 from .work_precision import LEVELS, TIE, SpeedRow, contenders, groups, solved
 
-SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
 DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
-LEAST_ROUNDS = 3  # for a minimum, a median and a spread
+LEAST_ROUNDS = 2  # for a minimum and a spread, as many as of alike solves in full; what is compared takes more
 PATIENCE = 0.3  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
 # The three fastest solves within this of each other: chance alone would hardly repeat a lucky one. Two runs may be
 # three times as far apart and name the same setting, or call both level.
-AGREE = 0.05
+ALIKE_SOLVES, AGREE = 3, 0.05
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,9 @@ class Budget:
     seconds: float  # of processor time, of the runs in the rounds beyond the least
     full: bool = False
     point_s: float = 1.0  # of processor time, one run of one setting; what takes longer is not repeated
+    most_s: float = inf  # of processor time, all rounds together
+    share: float = 1.0  # of the processor time since `since`, the table; below one, what does not fit is left out
+    since: float = 0.0  # s of this process's processor time: what came before is none of the table's
 
 
 Again: TypeAlias = Callable[[Sequence[int]], Sequence[Run]]  # runs settings, by their places, one after the other
@@ -57,19 +60,37 @@ def speed_table(
     progress: Progress,
     channels: frozenset[str] | None = None,
     runs: Runs = HERE,
+    main: Sequence[Measurement] = (),
 ) -> list[SpeedRow]:
     """One row per setting: status, times, errors by group, counters. Failed settings stay in the table.
 
     The error run comes first and warms everything up. Then all settings take turns under the clock, those longest that
     decide which is the cheapest for some error; those that failed, and slow ones that decide nothing or take longer
-    than the budget has for one, keep the times of their error run. A stop leaves what is done.
+    than the budget has for one, keep the times of their error run. A run of `main` that has the samples of the table is
+    the error run of its settings. Each engine has an equal part of what is left of the budget's share; a setting that
+    would take more stays as a row, `LEFT_OUT`. A stop leaves what is done.
     """
     # by name: the core has others of its own, which no engine is held against
     sampling = replace(SAMPLING, channels=channels or frozenset(known_channels(reference.scene)))
-    at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling), runs=runs)
-    points = list(kept(chain.from_iterable(_error_runs(at, engine, budget, progress) for engine in engines)))
-    able = [place for place, (run, _) in enumerate(points) if run.status is Status.ok and run.seconds <= budget.point_s]
+    names, watch, explained = list(engines), Watch(runs), explain(reference, sampling)
+    allowed, known = watch.allowed(budget.share, budget.since), at_samples(main, sampling)
+
+    def at(engine: str, settings: Settings) -> Measurement:
+        run = known.get((engine, settings)) or runs.run(engine, reference.scene, sampling, settings)
+        return assess(reference, sampling, replace(run, settings=settings), explained)
+
+    def error_runs() -> Iterator[tuple[Run, SpeedRow]]:
+        for number, engine in enumerate(names):
+            part = Part(watch, (ERRORS * allowed - watch.taken()) / (len(names) - number), *last_run(main, engine))
+            free = {settings for name, settings in known if name == engine}
+            yield from _error_runs(at, engine, budget, progress, part, free)
+
+    points = list(kept(error_runs()))
+    able = [
+        place for place, (run, _) in enumerate(points) if run.status is Status.ok and not run.seconds > budget.point_s
+    ]
     able = [] if budget == NO_CLOCK else able
+    budget = replace(budget, most_s=max(0.0, min(budget.most_s, allowed - watch.taken())))
     first, failed = [points[place][0] for place in able], set[int]()
 
     def again(numbers: Sequence[int]) -> list[Run]:
@@ -87,14 +108,13 @@ def speed_table(
     return table
 
 
-def steps_per_cycle(settings: Settings) -> int | None:
-    """The steps of the coarsest run, rounded up as engines do; None of settings that take none."""
-    steps = getattr(settings, "steps", None)
-    return None if steps is None else SAMPLING.samples * ceil(steps / SAMPLING.samples)
-
-
 def _error_runs(
-    measured: Callable[..., Measurement], engine: str, budget: Budget, progress: Progress
+    measured: Callable[[str, Settings], Measurement],
+    engine: str,
+    budget: Budget,
+    progress: Progress,
+    part: Part,
+    free: Collection[Settings],
 ) -> Iterator[tuple[Run, SpeedRow]]:
     """Every setting's error run and row; once one has taken too long, the finer ones of its family are not run."""
     too_slow: dict[str, int] = {}  # steps per cycle, by family
@@ -102,13 +122,13 @@ def _error_runs(
     for settings, role in settings_of(engine, full=budget.full).items():
         tier = " ".join(name for name, own in offered.items() if own == settings)
         steps, least = steps_per_cycle(settings) or 0, too_slow.get(settings.family, inf)
-        if steps > least:
-            reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already"
+        reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already" if steps > least else ""
+        if reason := reason or LEFT_OUT * (settings not in free and not part.holds(steps)):
             run = Run(engine, settings, Status.timed_out, reason)
             yield run, _row(Measurement(run, None, []), settings, role, tier)
             continue
         progress(f"measuring the error of {engine}, {settings.label}")
-        measurement = measured(engine, settings=settings)
+        measurement = measured(engine, settings) if settings in free else part.take(measured, engine, settings)
         if settings.family and measurement.run.seconds > budget.point_s:
             too_slow[settings.family] = steps
         yield measurement.run, _row(measurement, settings, role, tier)
@@ -153,8 +173,8 @@ def spent(runs: Iterable[Run]) -> float:
 
 def known(runs: Iterable[Run]) -> bool:
     """Whether the fastest solve was reached again and again."""
-    fastest = sorted(run.solve_s for run in runs)[:LEAST_ROUNDS]
-    return len(fastest) == LEAST_ROUNDS and fastest[-1] <= (1 + AGREE) * fastest[0]
+    fastest = sorted(run.solve_s for run in runs)[:ALIKE_SOLVES]
+    return len(fastest) == ALIKE_SOLVES and fastest[-1] <= (1 + AGREE) * fastest[0]
 
 
 def take_turns(
@@ -182,17 +202,19 @@ def take_turns(
     def batches() -> Iterator[Sequence[int]]:
         every, end = range(len(times)), inf  # of the processor time of all runs, after which none begins
         share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
-        for done in range(max(LEAST_ROUNDS, budget.rounds)):
-            if done == LEAST_ROUNDS:
+        rounds = ALIKE_SOLVES if budget.full else LEAST_ROUNDS
+        for done in range(max(rounds, budget.rounds)):
+            if done == rounds:
                 end = spent(chain.from_iterable(times)) + budget.seconds
-            if done < LEAST_ROUNDS:
+            if done < rounds:
                 numbers = able = [n for n in able if (done + 1) * spent(runs_of(n)) / len(runs_of(n)) <= share]
             else:
                 numbers = [n for n in in_doubt([*map(fastest, every)]) if not known(times[n])]
             for _, settings in groupby(numbers, engines.__getitem__):
-                batch, left = [*settings], end - spent(chain.from_iterable(times))
-                before = accumulate([0.0, *map(fastest, batch)])
-                if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < left]:
+                batch, done_s = [*settings], spent(chain.from_iterable(times))
+                taken = [*accumulate([done_s, *map(fastest, batch)])]  # before each, and after the last
+                in_turn = zip(batch, taken, taken[1:], strict=False)
+                if chosen := [n for n, before, after in in_turn if before < end and after <= budget.most_s]:
                     progress(f"timing {len(numbers)} settings, round {done + 1}")
                     yield chosen
 

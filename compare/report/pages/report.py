@@ -12,7 +12,7 @@ from scenes.scene import ConstantSpeed
 
 from ...judge.agreement import Agreement, Word
 from ...judge.floor import UnsolvedError
-from ...measure.speed.speed_table import SAMPLING
+from ...measure.speed.share import SAMPLING
 from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study

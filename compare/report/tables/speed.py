@@ -4,6 +4,7 @@ import re
 from math import isnan
 
 from ...engines.registry import ABLATION, REFERENCE
+from ...measure.speed.share import LEFT_OUT
 from ...measure.speed.work_precision import ALIKE, Choice, contenders, groups, solved
 from ...mechanics.axis import cycle_name
 from ...study import Study
@@ -40,6 +41,18 @@ def verdict(study: Study) -> str:
         named.append(alike + " and ".join(others))
     fastest = "; ".join(named) or "no setting that was tried"
     return f"The fastest way to {NOUNS.get(group, group)} within {LEVEL}: {fastest}."
+
+
+def left_out(study: Study) -> str:
+    """The settings that were too much for the table, in one sentence, or nothing."""
+    rows: dict[str, list[str]] = {}
+    for row in study.speed:
+        if row.reason == LEFT_OUT:
+            rows.setdefault(row.engine, []).append(row.setting)
+    count = sum(map(len, rows.values()))
+    named = "; ".join(f"{engine}: {', '.join(settings)}" for engine, settings in rows.items())
+    settings = f"{count} of {len(study.speed)} settings"
+    return f"Speed against error is of all but {settings}, {LEFT_OUT} ({named})." if rows else ""
 
 
 def notes(study: Study) -> list[str]:

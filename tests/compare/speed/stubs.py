@@ -6,9 +6,12 @@ from itertools import repeat
 from math import inf, nan
 from typing import Any
 
+from compare.judge.agreement import Judgement
 from compare.measure.speed.speed_table import Budget
 from compare.measure.speed.work_precision import SpeedRow
 from compare.mechanics.reference import Reference
+from compare.mechanics.round_off import explain
+from compare.study import Study
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status
 from scenes.elements import PLAIN_KINDS
 
@@ -55,6 +58,15 @@ def table(*rows: tuple[str, str, float, float], **columns: Any) -> list[SpeedRow
 def family(steps: Sequence[int], errors: Sequence[float], order: float = 2.0) -> list[SpeedRow]:
     rows = [("a", f"{n} steps", 1e-3 + 1e-5 * n, error) for n, error in zip(steps, errors, strict=True)]
     return table(*rows, family="f", expected_order=order, steps=list(steps), steps_made=list(steps))
+
+
+def rows_of(speed: Sequence[SpeedRow]) -> dict[str, dict[str, Any]]:
+    return {row.setting: row.cells for row in speed}
+
+
+def study_of(reference: Reference, speed: Sequence[SpeedRow]) -> Study:
+    sampling = Sampling(72)
+    return Study.of(Judgement(reference.scene, sampling, reference, explain(reference, sampling), [], []), speed)
 
 
 @dataclass(frozen=True)

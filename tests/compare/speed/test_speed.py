@@ -1,10 +1,8 @@
 """Speed against error: the table of an engine whose errors and times are known, what is chosen by it, and shown."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain, count, repeat
 from math import inf, nan
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,35 +10,29 @@ import pytest
 import scenes
 from compare.engines import registry
 from compare.engines.registry import TIERS
-from compare.judge.agreement import Judgement
 from compare.measure.speed.speed_table import Budget, speed_table
-from compare.measure.speed.work_precision import SpeedRow, choices, orders, solved, step_costs
+from compare.measure.speed.work_precision import choices, orders, solved, step_costs
 from compare.mechanics.reference import Reference
-from compare.mechanics.round_off import explain
 from compare.report.figures.offline import offline
 from compare.report.figures.speed import work_precision as picture
 from compare.report.pages.report import page
 from compare.report.tables import speed as speed_tables
-from compare.study import Study, _offers, study
+from compare.study import _offers, study
 from scenes import Failure, Sampling, Status
 
-from .stubs import FULL, STEPS, Clock, StubEngine, StubRun, StubSettings, family, quiet, second_order, table
-
-
-@pytest.fixture
-def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
-    """Return an engine named `stub`, the only one there is besides the analytic core, under a clock of its own."""
-    clock, real = Clock(tick=1e-9), registry.engine
-    engine = StubEngine(reference, clock)
-    monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", ""))
-    monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
-    for name in ("processor_time", "perf_counter"):
-        monkeypatch.setattr(f"compare.engines.runner.{name}", clock)
-    return engine
-
-
-def rows_of(speed: Sequence[SpeedRow]) -> dict[str, dict[str, Any]]:
-    return {row.setting: row.cells for row in speed}
+from .stubs import (
+    FULL,
+    STEPS,
+    StubEngine,
+    StubRun,
+    StubSettings,
+    family,
+    quiet,
+    rows_of,
+    second_order,
+    study_of,
+    table,
+)
 
 
 @pytest.mark.usefixtures("stub")
@@ -72,7 +64,10 @@ def test_a_clock_that_stands_still_divides_nothing_by_zero(reference: Reference,
 def test_the_fastest_solve_is_the_headline(reference: Reference, stub: StubEngine) -> None:
     """Three error runs, then three rounds over three settings, each of another speed."""
     stub.slowness = chain([9.0] * 3, [1.5] * 3, [2.0] * 3, repeat(1.0))
-    row = rows_of(speed_table(reference, ["stub"], Budget(0, inf, point_s=inf), quiet))["100 steps"]
+    stub.LONG_WORK_PRECISION, stub.ABLATIONS = (), ()
+    stub.FAST = stub.EXACT = stub.WORK_PRECISION[0]
+    stub.DEFAULT = second_order(72)
+    row = rows_of(speed_table(reference, ["stub"], Budget(0, inf, full=True, point_s=inf), quiet))["100 steps"]
     found = [row[f"solve_{of}_s"] for of in ("min", "median", "spread", "wall")]
     assert found == pytest.approx([0.144, 0.216, 0.144, 0.144])
 
@@ -170,11 +165,6 @@ def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngi
     result = study(reference.scene, ["stub"], Sampling(360), Budget(1, 0.0), quiet)
     assert result.measurements[0].run.settings == stub.DEFAULT
     assert result.reasons == []
-
-
-def study_of(reference: Reference, speed: Sequence[SpeedRow]) -> Study:
-    sampling = Sampling(72)
-    return Study.of(Judgement(reference.scene, sampling, reference, explain(reference, sampling), [], []), speed)
 
 
 def test_the_sentence(reference: Reference) -> None:

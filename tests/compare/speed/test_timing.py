@@ -50,6 +50,10 @@ def none_of(_: Sequence[float]) -> Sequence[int]:
     return ()
 
 
+def only_b(_: Sequence[float]) -> Sequence[int]:
+    return (1,)
+
+
 NEVER_KNOWN = [n / 20 for n in range(1, 99)]  # s; three of them are taken in any case
 ALIKE, UNLIKE = ("a", [1.0]), ("b", [3.0, 1.0, 2.0, 1.01, 5.0, 1.019, 1.0])  # known after 3 rounds, and after 6
 SLOW, BATCH = [("a", [0.3]), ("b", [2.0])], [("a", [0.02, 0.015, 0.01])] * 3
@@ -62,15 +66,20 @@ Jobs = Sequence[tuple[str, Sequence[float]]]
         ([(engine, [1.0]) for engine in "aabc"], Budget(10, inf), all_of, [3] * 4, "aa|b|c|" * 3),
         ([ALIKE, UNLIKE], Budget(100, inf), all_of, [3, 6], "a|b|" * 3 + "b|" * 3),
         ([("a", [1.0, 0.5, 1.0])], Budget(8, inf), all_of, [8], "a|" * 8),  # a lucky time has to come again
-        ([("a", NEVER_KNOWN)], Budget(0, 0.0), all_of, [3], "a|" * 3),
-        ([("a", NEVER_KNOWN)], Budget(99, 0.35), all_of, [5], "a|" * 5),
+        ([("a", NEVER_KNOWN)], Budget(0, 0.0, full=True), all_of, [3], "a|" * 3),
+        ([("a", NEVER_KNOWN)], Budget(99, 0.35, full=True), all_of, [5], "a|" * 5),
         ([("a", NEVER_KNOWN)], Budget(5, inf), all_of, [5], "a|" * 5),
         # Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for, or one.
-        (SLOW, Budget(20, 2.0), none_of, [3, 1], "a|b|a|a|"),
-        (SLOW, Budget(20, 9.0), none_of, [3, 2], "a|b|a|b|a|"),
-        (SLOW, Budget(20, 12.0), none_of, [3, 3], "a|b|" * 3),
+        (SLOW, Budget(20, 2.0, full=True), none_of, [3, 1], "a|b|a|a|"),
+        (SLOW, Budget(20, 9.0, full=True), none_of, [3, 2], "a|b|a|b|a|"),
+        (SLOW, Budget(20, 12.0, full=True), none_of, [3, 3], "a|b|" * 3),
         # Two of three settings, of 0.01 s each, begin within 0.015 s: a batch ends with the budget.
-        (BATCH, Budget(99, 0.015), all_of, [4, 4, 3], "aaa|aaa|aaa|aa|"),
+        (BATCH, Budget(99, 0.015, full=True), all_of, [4, 4, 3], "aaa|aaa|aaa|aa|"),
+        # Two rounds are enough for what decides nothing; what decides goes on until it is known.
+        ([ALIKE, UNLIKE], Budget(20, inf), none_of, [2, 2], "a|b|" * 2),
+        ([ALIKE, UNLIKE], Budget(20, inf), only_b, [2, 6], "a|b|" * 2 + "b|" * 4),
+        # No run begins that would end after the time for all of them.
+        ([("a", [1.0]), ("b", [1.0])], Budget(20, inf, most_s=3.5), all_of, [2, 1], "a|b|a|"),
     ],
 )
 def test_rounds_go_on_until_the_fastest_time_is_known_or_the_budget_ends(
@@ -109,6 +118,6 @@ def test_only_what_is_in_doubt_is_timed_longer() -> None:
         seen.append(list(times))
         return [1] if times[1] > 4 else []
 
-    times, ran = turns(jobs, Budget(10, inf), in_doubt)
+    times, ran = turns(jobs, Budget(10, inf, full=True), in_doubt)
     assert ([len(of) for of in times], ran) == ([3, 4, 3], "a|b|c|" * 3 + "b|")
     assert seen[:2] == [[1.0, 5.0, 1.0], [1.0, 4.0, 1.0]]
