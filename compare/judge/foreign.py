@@ -20,6 +20,7 @@ from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import relative_errors, sizes
 from .checks import Check, checks
+from .derived import with_derived
 from .errors import worst_of
 from .measure import Measurement, assess
 from .verdict import BALANCES, share
@@ -37,6 +38,7 @@ SEED = 20261122
 def assess_result(reference: Reference, result: "Result") -> Measurement:
     """The judgement of a result, at its own instants, in the channels that it has; by a reference in doubt too."""
     request, run, halves = result.request, result.run, result.half_decimals
+    reference = with_derived(reference, request.channels or ())
     drive = reference.scene.drive_channel
     if run.motion is not None and drive in halves:
         placed = _in_place(reference.mechanics, run.motion[drive], request.times(reference.scene), halves[drive])

@@ -1,7 +1,8 @@
 """A result of another program as a run: its numbers in SI, in the frame and by the signs of this project's channels."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from os.path import isfile
@@ -11,11 +12,11 @@ from typing import Annotated, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InputError, Instants, Motion, Scene, Settings, Status, limits
+from scenes import Failure, InputError, Instants, Motion, Scene, Settings, Status, limits
 from scenes.errors import at_place, nearest, one_line
 from scenes.fields import NAME
 from scenes.file.units import factor
-from scenes.model.motion import UNITS, Samples, channels, force_channels, quantity
+from scenes.model.motion import TRANSMISSION, UNITS, Samples, channels, force_channels, magnitudes, quantity
 from scenes.scene import GROUND, ConstantSpeed
 
 from ..engines import registry
@@ -92,7 +93,9 @@ def read_result(scene: Scene, text: str) -> Result:
     )
     with at_place(one_line(", ".join(map(str, files)))):
         if not mapping.columns:
-            mapping = mapping.model_copy(update={"columns": named_columns(table.columns, _readable(scene))})
+            mapping = mapping.model_copy(
+                update={"columns": named_columns(table.columns, _readable(scene, table.columns))}
+            )
         return _mapped(scene, name, files, table, mapping, where)
 
 
@@ -110,7 +113,7 @@ def name_and_files(text: str) -> tuple[str, list[Path]]:
 
 
 def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mapping: MappingFile, where: str) -> Result:
-    known, names = channels(scene), _readable(scene)
+    known, names = channels(scene), _readable(scene, mapping.columns)
     for other in mapping.columns:
         if other not in names:
             raise InputError(f"columns.{one_line(other, 60)}: no such channel of the scene{nearest(other, names)}")
@@ -143,13 +146,13 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     length = f"{cycles} cycle{'s' * (cycles != '1')} of the drive"
     over = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
     notes.insert(0, f"{name} has {rows} {over}")
-    if len(own) < len(known) - 2:
-        notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
+    if (count := len(own.intersection(known))) < len(known) - 2:
+        notes.append(f"{name} gives {count} of {len(known) - 2} channels; it was not asked for the others")
     if by in columns and scene.driven_slide is None:  # counted on from turn to turn, whatever turn each row is in
         columns[by] += 2 * np.pi * np.round((drive - columns[by]) / (2 * np.pi))
     if not with_drive:
         notes.append(f"{name} gives no {by}; it is taken as commanded")
-    motion = Motion({c: columns.get(c, drive) for c in known if c in columns or c == by})
+    motion = Motion({c: columns.get(c, drive) for c in names if c in columns or c == by})
     origin = Provenance(
         ", ".join(file.name for file in files),
         promise=mapping.promise,
@@ -165,9 +168,15 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     return Result(run, Instants(tuple(columns["time"].tolist()), channels=own), halves, tuple(notes))
 
 
-def _readable(scene: Scene) -> tuple[str, ...]:
-    """Return what a column may be: a channel, or a component of a guide's force."""
-    return (*channels(scene), *guide_components(scene))
+def _readable(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
+    """Return what columns may be: channels, magnitudes, components of guides' forces, transmission angles."""
+    angles = [channel for channel in columns if quantity(channel.partition(" [")[0]) == TRANSMISSION]
+    if angles:  # the reference knows at which joints they are
+        with suppress(Failure):
+            time = np.zeros(1)
+            found = registry.reference(scene)(scene.drive.at(time).position, time)
+            angles = [channel for channel in found.samples if quantity(channel) == TRANSMISSION]
+    return (*channels(scene), *magnitudes(scene), *guide_components(scene), *angles)
 
 
 def _named(given: str | ColumnTable) -> ColumnTable:

@@ -249,6 +249,11 @@ class Instants(_Channels):
 
     instants: tuple[float, ...]  # s, increasing
 
+    def wanted(self, scene: Scene) -> tuple[str, ...]:
+        """The names of the wanted channels, as of any request; after them magnitudes, which no model is asked for."""
+        known = super().wanted(scene)
+        return (*known, *sorted((self.channels or frozenset()).difference(known)))
+
     @property
     def count(self) -> int:
         """The number of samples, n."""
