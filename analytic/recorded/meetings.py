@@ -17,7 +17,6 @@ from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group
 from ..solve import Solver
 from ..way.singular import way_of
-from .arithmetics.in_numpy import StraightLine
 from .program import Program, inputs_at
 
 Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
@@ -46,10 +45,9 @@ def near_meeting(
     scene: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
 ) -> Sequence[int]:
     """The machines, of numbers of shape (m, 1), whose assemblies may meet somewhere."""
-    dyads = [group.P for group in program.linkage.groups if not isinstance(group, Group)]
-    if not dyads:
+    if program.reaches is None:
         return []
-    line, (first, last) = StraightLine([program.conditions[P] for P in dyads]), way_of(scene)
+    line, (first, last) = program.reaches, way_of(scene)
     if scene.driven_slide is None:  # a turn to either side of the sketch is the same turn
         first = (first + last) / 2
     step, near = (last - first) / COARSE, list[int]()

@@ -32,6 +32,7 @@ from ..core.numbers import chosen
 from ..core.placing import RRRPosition
 from ..core.rubbing_joints import FrictionBalance
 from ..way.windings import attitude
+from .arithmetics.in_numpy import StraightLine
 from .expressions import Closing, Expression, Inputs, Recorder, forward
 from .traced import Traced, traced
 
@@ -58,6 +59,12 @@ class Program:
     def reach(self) -> Expression:
         """The least of the conditions; of a crank alone, which always reaches, infinite."""
         return reduce(partial(self.make, "minimum"), self.conditions.values(), self.make.constant(inf))
+
+    @cached_property
+    def reaches(self) -> StraightLine | None:
+        """How far each dyad reaches, of block after block of machines; None where there are no dyads."""
+        dyads = [self.conditions[group.P] for group in self.linkage.groups if not isinstance(group, Group)]
+        return StraightLine(dyads) if dyads else None
 
     @cached_property
     def rows(self) -> list[Expression]:

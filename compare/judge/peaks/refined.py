@@ -57,6 +57,8 @@ def refined(
     cycle: Motion,
     solve: Callable[[Samples], Motion],
     switches: Callable[[Motion, Samples], Samples] | None = None,
+    *,
+    bare: bool = False,
 ) -> Motion:
     """A cycle with samples added, in the order of the time, as far as the linkage closes there.
 
@@ -64,12 +66,14 @@ def refined(
     at instants, s, of shape (..., k). Where another cycle follows, an extreme may be on both sides of the end. At the
     entries of tables a sample is added: an extreme may be a corner. Or where forces may jump, `switches` are the
     instants near which press forces come or go, of a motion in the order of the time, where its samples are not
-    further apart than a step, s; None where that is not followed.
+    further apart than a step, s; None where that is not followed. Where neither press forces nor friction may jump,
+    `bare` leaves out the samples on either side of the last places, which are for lines between samples.
     """
     repeats, by_parts = scene.drive.periodic, isinstance(scene.drive, MotionLaw | SegmentedLaw)
     jump = by_parts or bool(scene.presses)  # whether forces may jump, or bend at any place, within the cycle
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if jump else 1  # samples on either side of a place
+    bare = bare and not jump and not scene.friction
     high = heights(scene, followed, cycle)
     rows = [height.argmax(axis=-1) if jump else _top(height, repeats=repeats) for height in high]
     near = np.stack(rows, axis=-1) * step
@@ -77,18 +81,21 @@ def refined(
     levels = [n for n, places in corners for _ in range(places.shape[-1])]
     near = np.concatenate([near, *(places for _, places in corners)], axis=-1)
     motion, parts = cycle, [cycle]
-    for _ in range(ROUNDS_TO_JUMP if jump else ROUNDS):
+    for left in reversed(range(ROUNDS_TO_JUMP if jump else ROUNDS)):
         if jump and switches:
             near = np.concatenate([near, switches(in_order([motion]), step)], axis=-1)
         step = step / FINE
         near = near if repeats else np.clip(near, side * step, end - side * step)
-        around = near[..., np.newaxis] + step[..., np.newaxis] * np.arange(-side, side + 1)
+        places = np.zeros(1) if bare and not left else np.arange(-side, side + 1)
+        around = near[..., np.newaxis] + step[..., np.newaxis] * places
         time = around.reshape(*near.shape[:-1], -1)
         try:
             motion = solve(time % end if repeats else np.clip(time, 0.0, end))
         except Failure:
             break
         parts = [*parts, motion] if jump else [cycle, motion]  # the last samples are nearest to an extreme
+        if not left:
+            break
         near = _vertex(around[..., : len(rows), :], _near_own(scene, followed, motion, around.shape))
         if levels:
             values = [level.reshape(around.shape) for level in _beyond(scene, motion)]

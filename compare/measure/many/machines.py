@@ -84,7 +84,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
 
     time = np.arange(samples + 1) / samples * np.broadcast_to(many.drive.cycle, (count, 1))
     with np.errstate(invalid="ignore"):  # of machines that do not run
-        motion = refined(many, quantities, solved(time), solved)
+        motion = refined(many, quantities, solved(time), solved, bare=True)
     rows = np.flatnonzero([ended is Status.ok for ended in status])
     if not rows.size:
         return SolvedMachines(status, reason, rows, Motion({}), ())

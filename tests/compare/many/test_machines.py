@@ -7,21 +7,22 @@ import pytest
 
 import scenes
 from compare.measure.many import sobol
-from compare.measure.many.machines import draws
-from scenes import Status
+from compare.measure.many.machines import SAMPLES, draws, machines
+from scenes import Status, numbers_in
 from scenes.model.motion import Samples
 
-from .runs import ROCKER, alone, many
+from .runs import ROCKER, alone, many, reference
 
 SAME = 1e-11  # of a number: extremes are placed to 1e-5 of a step, the dwell by quintics over steps of 2 deg
 MASS = "bodies.toggle.mass"
+TURNS = 1e-4  # where friction turns round: that is placed to a thousandth of a step
 JUMP = 1e-6  # where a force comes or goes: that is placed to 1e-5 of a step, 4e-7 rad
 
 
 def test_they_are_distributed_as_the_scene_has_it() -> None:
     """A Sobol sequence of 4096: each number is stratified, so that its moments are exact to about one in as many."""
-    machines = draws(scenes.load("toggle_press"), 7, 0, 4096)
-    rocker, mass = machines[ROCKER], machines[MASS]
+    drawn = draws(scenes.load("toggle_press"), 7, 0, 4096)
+    rocker, mass = drawn[ROCKER], drawn[MASS]
     assert rocker.mean() == pytest.approx(300, abs=1e-5)
     assert rocker.std() == pytest.approx(0.05 / 3, rel=1e-3)  # the tail is cut at 3.7 deviations
     assert np.mean(np.abs(rocker - 300) < 0.05) == pytest.approx(0.9973, abs=5e-4)  # two of them more or less
@@ -29,8 +30,8 @@ def test_they_are_distributed_as_the_scene_has_it() -> None:
     assert mass.std() == pytest.approx(5 / sqrt(3), rel=1e-3)
     assert 245 <= mass.min() < 245.01
     assert 254.99 < mass.max() <= 255
-    table = np.corrcoef([*machines.values()])
-    assert np.abs(table - np.eye(len(machines))).max() < 0.01  # independent: 1 / sqrt(4096) of random ones
+    table = np.corrcoef([*drawn.values()])
+    assert np.abs(table - np.eye(len(drawn))).max() < 0.01  # independent: 1 / sqrt(4096) of random ones
 
 
 def test_the_directions_of_sobol_are_those_of_scipy() -> None:
@@ -82,6 +83,27 @@ def test_machines_agree_with_single_runs(name: str, count: int) -> None:
 )
 def test_other_linkages(name: str, changes: dict[str, list[float]], tolerance: float) -> None:
     same(name, {path: np.array(values, float) for path, values in changes.items()}, tolerance)
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance"),
+    [
+        *((name, SAME) for name in ("toggle_press", "double_toggle_clamp", "walking_leg", "four_bar", "watt_six_bar")),
+        ("double_toggle_clamp_friction", TURNS),
+    ],
+)
+def test_no_peak_is_lost_between_samples(name: str, tolerance: float) -> None:
+    """Against eight times as many a cycle, of machines within tolerances, or with lengths off by up to 0.3 %."""
+    rng, scene = np.random.default_rng(1), scenes.load(name)
+    lengths = [path for path in scene.numbers if ".lengths." in path]
+    off = 1 + 0.003 * rng.uniform(-1, 1, (12, len(lengths)))
+    others = dict(zip(lengths, (np.array(numbers_in(scene.file, lengths)) * off).T, strict=True))
+    changes = draws(scene, 0, 0, 12) if scene.variations else others
+    few, more = (machines(reference(name), changes, samples) for samples in (SAMPLES, 8 * SAMPLES))
+    assert few.running.tolist() == more.running.tolist() == [*range(12)]
+    for found, finer in zip(few.numbers, more.numbers, strict=True):
+        off_by = np.abs(found.value - finer.value) / finer.size
+        assert not (off_by > tolerance).any(), (found.name, off_by.max())
 
 
 def same(name: str, changes: dict[str, Samples], tolerance: float) -> None:
