@@ -18,6 +18,7 @@ from cmath import phase
 from collections.abc import Iterator, Mapping
 from itertools import chain
 from math import degrees, isnan, radians
+from statistics import median
 
 import numpy as np
 
@@ -228,5 +229,5 @@ def _scaled(scene: Scene) -> float:
         for (p, q), length in chain(*(distances(body).items() for body in scene.bodies.values()))
         if p in drawn and q in drawn and not {p, q} <= {*scene.ground} and length > 0
     ]
-    scale = float(np.median(pairs or [1.0]))
+    scale = median(pairs or [1.0])  # not that of numpy, which imports its masked arrays for it
     return scale if scale > SCALED or scale < 1 / SCALED else 0.0
