@@ -50,11 +50,12 @@ def near_meeting(
     line, (first, last) = program.reaches, way_of(scene)
     if scene.driven_slide is None:  # a turn to either side of the sketch is the same turn
         first = (first + last) / 2
+    known = {path: number.value for path, number in scene.numbers.items()}  # the line may be of numbers all alike too
     step, near = (last - first) / COARSE, list[int]()
     driven = Driven(np.linspace(first - step, last + step, COARSE + 3), np.ones(()), np.zeros(()))
     for begin in range(0, len(tracks), TOGETHER):
         rows = slice(begin, begin + TOGETHER)
-        of_some = {path: values[rows] for path, values in numbers.items()}
+        of_some = known | {path: values[rows] for path, values in numbers.items()}
         reach = np.asarray(line({**of_some, **inputs_at(driven, tracks[rows])}))  # shape (dyads, m, n)
         before, here, after = reach[..., :-2], reach[..., 1:-1], reach[..., 2:]
         larger = np.maximum(before, after)

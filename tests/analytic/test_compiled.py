@@ -100,6 +100,15 @@ def test_reductions_are_by_machine_code_where_it_is_at_hand(monkeypatch: pytest.
 
 
 @SLOW
+def test_machines_of_dyads_by_machine_code() -> None:
+    scene, changes, angles = scenes.load("toggle_press"), {"bodies.toggle.mass": [250.0, 251.0]}, np.linspace(0, 6, 9)
+    fast = analytic.fast_solver(scene, {"drive.torque"}, compiled=True).many(changes, angles)
+    plain = analytic.solve_many(scene, changes, angles, channels={"drive.torque"})
+    assert fast.ok.all()
+    assert np.allclose(fast["drive.torque"], plain["drive.torque"], rtol=1e-10)  # roundings
+
+
+@SLOW
 def test_what_is_no_position_is_refused_at_once_too() -> None:
     fast = analytic.fast_solver(scenes.load("four_bar"), compiled=True)
     assert np.isfinite(fast(np.array([1e200]))["B.x"]).all()  # a double
