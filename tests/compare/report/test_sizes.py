@@ -53,7 +53,7 @@ def longer(result: Study) -> Study:
         result.explained,
         condition=of(result.explained.condition),
         sensitivity={channel: of(moved) for channel, moved in result.explained.sensitivity.items()},
-        cancelled={channel: of(left) for channel, left in result.explained.cancelled.items()},
+        terms={channel: of(over) for channel, over in result.explained.terms.items()},
     )
     sampling = replace(result.sampling, samples=count - 1)
     return replace(
