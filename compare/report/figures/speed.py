@@ -44,13 +44,15 @@ def _panels(study: Study, names: Sequence[str]) -> Iterator[Figure]:
     settings = [(*each, _hover(study, each[-1])) for each in contenders(points)]
     notes = list(dict.fromkeys(note for _, note, _, _ in settings if note))
     others, times = [p for p in points if p.engine != REFERENCE], _values(speed)
+    times = times[~np.isnan(times)]  # none where every setting failed
     fronts = ("Pareto front", points, GREY), ("Pareto front without the reference", others, "#b8860b")
     for kind in ("max", "rms"):
         figure = grid(names, min(COLUMNS, len(names)) or 1)
         for panel, group in enumerate(names, start=1):
             error = f"{group}_{kind}"
-            ends, floor = [np.nanmin(times), np.nanmax(times)], floors.get(group, np.nan)
-            draw(figure, FLOOR, ends, [floor] * 2, panel, line=BOUND)
+            if times.size:
+                floor = floors.get(group, np.nan)
+                draw(figure, FLOOR, [times.min(), times.max()], [floor] * 2, panel, line=BOUND)
             for name, rows, shade in fronts:
                 line = {"color": shade, "width": 7, "shape": "hv"}
                 draw(figure, name, *_front(rows, error), panel, line=line, opacity=0.35, hoverinfo="skip")

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
+from math import nan
 from pathlib import Path
 from types import CodeType
 
@@ -130,6 +131,11 @@ def test_curves_run_over_the_drive(
 
 def test_plotly_takes_every_figure_of_a_report_as_it_is(result: Study) -> None:
     check_figures(page(result))
+
+
+def test_settings_that_all_failed_are_drawn_without_a_warning(result: Study) -> None:
+    failed = [replace(row, status="wrong_branch", solve_min_s=nan) for row in result.speed]
+    assert work_precision(replace(result, speed=failed)).layout  # warnings are errors here
 
 
 def test_a_number_whose_name_leaves_it_open_is_explained_beside_it(result: Study) -> None:
