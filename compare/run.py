@@ -108,9 +108,11 @@ def _run(options: argparse.Namespace) -> int:
                 try:
                     with annotated(scene.file):
                         missed.append(run(scene, request, options, partial(show, scene.name)))
-                except UnsolvedError as unsolved:  # the others go on
-                    print_line(str(unsolved))
+                except UnsolvedError as why:  # the others go on
+                    print_line(str(why))
                     refused += 1
+                    if own == files.REPORT:
+                        report.unsolved(scene, request, options, why)
     finally:  # of those that are done, where the user stops too
         if own == files.REPORT and (missed or refused) and options.out.is_dir():
             print(f"index: {files.write_index(options.out)}")

@@ -1,5 +1,6 @@
 """How far a linkage goes that cannot run, posed on the way there: for a picture of where it stops."""
 
+from dataclasses import replace
 from math import inf, pi, remainder
 
 import numpy as np
@@ -56,7 +57,8 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     if not len(way):
         return None
     places = frozenset(c for c in kinematic_channels(scene)[2:] if c.rpartition(".")[2] in ("x", "y", "angle"))
-    motion = prepared(scene, linkage, places)(way, np.zeros(len(way)))
+    solver = replace(prepared(scene, linkage, places), as_sketched=False)  # the range ends where assemblies meet
+    motion = solver(way, np.zeros(len(way)))
     beyond = end + np.sign(end - begin) * BESIDE[1:2] * abs(end - begin)
     meets = bool(joint) and unreached(scene, linkage, beyond)[0] == ""
     return MotionRange(motion, joint, ways, meets)

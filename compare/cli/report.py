@@ -44,18 +44,12 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
     budget = NO_CLOCK if options.no_speed else Budget(rounds=20, seconds=0.1, share=THIRD, since=options.since)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
-    try:
-        with stoppable() as stopping:
-            accuracy = options.accuracy or "balanced"
-            result = study(scene, options.engines, request, budget, progress, accuracy, options.result)
-            if options.full:
-                result = _in_full(result, options, progress)
-            stopped, options.since = stopping(), processor_time()
-    except UnsolvedError as unsolved:
-        known = files.unsolved_summary(scene, request, unsolved)
-        folder = files.write_unsolved(scene, unsolved, options.out, known | _since(scene, options, known))
-        show_page("report", folder / "report.html", "", options)
-        raise
+    with stoppable() as stopping:
+        accuracy = options.accuracy or "balanced"
+        result = study(scene, options.engines, request, budget, progress, accuracy, options.result)
+        if options.full:
+            result = _in_full(result, options, progress)
+        stopped, options.since = stopping(), processor_time()
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
     show("writing the report")
@@ -75,6 +69,13 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
     result.let_through.extend(canaries(result))
     worse = [str(change) for change in changed or () if change.worse]
     return stops(scene, {scene.name: result}, options.format, worse)
+
+
+def unsolved(scene: Scene, request: Sampling, options: Namespace, why: UnsolvedError) -> None:
+    """Write the report of a scene that the reference cannot solve: how far it goes, and why no further."""
+    known = files.unsolved_summary(scene, request, why)
+    folder = files.write_unsolved(scene, why, options.out, known | _since(scene, options, known))
+    show_page("report", folder / "report.html", "", options)
 
 
 def _since(scene: Scene, options: Namespace, known: Mapping[str, Any]) -> dict[str, list[Change]]:

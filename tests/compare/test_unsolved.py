@@ -1,6 +1,8 @@
 """Scenes that cannot run: each has a page, and the others of a batch go on."""
 
 import json
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -94,6 +96,16 @@ def test_a_joint_where_assemblies_meet_is_not_called_open(tmp_path: Path) -> Non
     page = (tmp_path / "parallelogram" / "report.html").read_text(encoding="utf-8")
     assert "ringed: where another way of assembling the bodies meets this one, C." in page
     assert "does not close" not in page
+
+
+def test_what_is_refused_is_printed_before_its_report(tmp_path: Path) -> None:
+    file = scene_files.write(tmp_path, "parallelogram", {"drive.start": 0})
+    printed = StringIO()
+    with redirect_stdout(printed), redirect_stderr(printed):
+        assert main([str(file), "--engines", "analytic", "--out", str(tmp_path)]) == 2
+    refused, *files = printed.getvalue().splitlines()[-3:]
+    assert refused.startswith(f"{file}: bodies: cannot_assemble: two ways of assembling")
+    assert [line.partition(":")[0] for line in files] == ["report", "index"]
 
 
 def test_the_joint_is_marked_where_it_is_drawn() -> None:
