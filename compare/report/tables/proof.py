@@ -86,7 +86,7 @@ def sentences(study: Judgement) -> Iterator[str]:
             proofs.append(f"no pin carries more than {most} ({joint} {where})")
         if registry.in_closed_form(scene):
             angles = [row for row in proof.rows if row[:2] == (TRANSMISSION, "least") and row.low > 0]
-            proofs += [f"no dyad's transmission angle is below {least}" for least in _bounds(study, angles)]
+            proofs += [f"no transmission angle of a dyad is below {least}" for least in _bounds(study, angles)]
         else:
             proofs += _advantage(study)
         yield f"Proven {over}: {', '.join(proofs)}."

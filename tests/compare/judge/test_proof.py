@@ -144,7 +144,7 @@ def test_a_bound_far_above_what_is_attained_is_not_known(most: float, why: str) 
     result = compare.check(limited({}), engines=("analytic",), samples=8)
     whole = " ".join(sentences(result))
     assert "no pin carries more than" in whole
-    assert "no dyad's transmission angle is below" in whole
+    assert "no transmission angle of a dyad is below" in whole
     known = {row[:2]: row for row in result.proof.rows}
     force, angle = ("A.force", "most"), (TRANSMISSION, "least")
     known |= {force: known[force]._replace(high=most), angle: known[angle]._replace(low=-3.2)}

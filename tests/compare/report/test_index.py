@@ -4,7 +4,7 @@ import json
 import re
 from base64 import b64decode
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 from xml.etree import ElementTree
 
 import pytest
@@ -129,14 +129,19 @@ def test_a_page_of_another_program_stays(tmp_path: Path, capsys: pytest.CaptureF
     assert "is left as it is" in files.write_index(tmp_path) or "cannot be written" in files.write_index(tmp_path)
 
 
-def test_a_page_appears_whole_or_not_at_all(tmp_path: Path) -> None:
+def test_a_page_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """And what a killed run left aside goes with the next."""
     (tmp_path / ".index.html-0123abcd").write_text("half", encoding="utf-8")
     file = tmp_path / "index.html"
     replace_file(file, lambda: "old")
 
-    with pytest.raises(UnicodeEncodeError):  # when the file is open, as where the disk is full
-        replace_file(file, lambda: "\ud800")
+    def full(path: Path, text: str, **_: object) -> NoReturn:
+        path.write_bytes(text[:2].encode())
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(OSError, match="no space"):
+        replace_file(file, lambda: "new")
     assert {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()} == {"index.html": "old"}
 
 
