@@ -74,7 +74,7 @@ def test_the_answers_are_on_the_first_screen(browser: "Browser", press_report: P
         ("tr:has(th:text-is('Largest pin force'))", r"382\.0 kN\s+P1\s+204\.7°\s+\de-\d"),
         ("tr:has(th:text-is('Peak driving torque'))", r"11\.448 kN m\s+255\.\d°\s+\de-\d"),
         ("tr:has(th:text-is('Peak braking torque'))", r"−13\.888 kN m\s+162\.8°\s+\de-\d"),
-        ("tr:has(th:has-text('pymunk')):has(.go)", r"ok\s+\d(\.\d+)?e-\d+\s+P5\.a[xy]\s+\d+(\.\d)?°"),
+        ("tr:has(th:has-text('pymunk')):has(.go)", r"ok\s+0\.\d+ %\s+P5\.a[xy]\s+\d+(\.\d)?°"),
     ):
         place = page.locator(selector).first
         box = place.bounding_box()
