@@ -91,7 +91,8 @@ def test_a_stop_begins_no_more(client: "Client") -> None:
     go_on.set()
     assert answers == ["first"]
     assert dict(spread(client, do, ["a"], lambda: None)) == {"a": "A"}
-    assert set(done) <= {"first", "running", "never 0"}, "a worker has one that waits at most"
+    begun = {*done} - {"first", "running"}
+    assert len(begun) <= 1, "a worker has one that waits at most, of those that are called off in any order"
 
 
 def test_a_worker_of_another_version_is_refused(client: "Client", monkeypatch: pytest.MonkeyPatch) -> None:
