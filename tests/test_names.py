@@ -6,7 +6,7 @@ import pytest
 import analytic
 from compare.engines import registry
 from compare.judge.proof import MET, MISSED, held
-from scenes import Motion, Sampling, Scene, Status
+from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.model.motion import channels, magnitudes
 from tests import scene_files
 from tests.comparisons import SLOW
@@ -57,9 +57,16 @@ def test_bounds_are_the_same(name: str) -> None:
 def test_other_models_find_the_same_numbers(engine: str, name: str) -> None:
     pytest.importorskip(registry.ENTRIES[engine].package)
     scene, module = scene_files.load(name), registry.engine(engine)
-    expected = numbers(run(module, scene, module.FAST, FEW))
+
+    def outcome(scene: Scene) -> object:
+        try:
+            return numbers(run(module, scene, module.FAST, FEW))
+        except Failure as failure:  # pymunk's few sweeps leave a joint of one scene open
+            return failure.status, failure.reason
+
+    expected = outcome(scene)
     for label, other in [*alike(scene)][::6]:
-        assert numbers(run(module, other, module.FAST, FEW)) == expected, label
+        assert outcome(other) == expected, label
 
 
 def test_machines_and_derivatives_are_the_same() -> None:

@@ -26,12 +26,6 @@ from .true_values import ALL_ZERO, BY_50_DIGITS, BY_DOUBLES, motion_at, peaks, t
 Bounds = Mapping[tuple[str, str], Enclosure]
 SAMPLES = 1441  # of a range
 STILL = 1e-8  # of a unit's peak: what changes by less, as what is zero but for roundings, is known to its size
-LOOSE = {
-    "double_toggle_clamp_friction": "some forces are not bounded",
-    "crank_press_friction": "beside where friction turns back both senses are bounds",
-    "self_locking_toggle": "beside where friction turns back both senses are bounds",
-    "toggle_press_friction": "beside where friction turns back both senses are bounds",
-}
 FEW = ("toggle_press", "crank_press", "four_bar")
 
 
@@ -97,13 +91,8 @@ def test_all_that_is_shipped_is_enclosed(name: str) -> None:
     assert_holds(name)
 
 
-def near(name: str) -> Any:
-    why = LOOSE.get(name)
-    return pytest.param(name, marks=pytest.mark.xfail(strict=True, reason=why)) if why else name
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [near(name) for name in sorted({*scenes.shipped()} - {*FEW})])
+@pytest.mark.parametrize("name", sorted({*scenes.shipped()} - {*FEW}))
 def test_all_that_is_shipped_is_enclosed_as_nearly_as_asked(name: str) -> None:
     assert_near(name)
 
