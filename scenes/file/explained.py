@@ -22,7 +22,7 @@ COUNTS = {2: "two", 3: "three"}
 NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 
 
-class Declared(NamedTuple):
+class ExpectedForm(NamedTuple):
     """What is declared of a place in a file."""
 
     table: type[BaseModel]  # the innermost one
@@ -83,7 +83,7 @@ def _explained(error: ValidationError, file: type[FileTable], unit: UnitOf) -> s
     return f"{path_in_file(location)}: {expected}{found}" + (f" (and {len(rest)} more)" if rest else "")
 
 
-def _declared(file: type[BaseModel], location: Location) -> Declared:
+def _declared(file: type[BaseModel], location: Location) -> ExpectedForm:
     """The innermost declared table of a place in a file, and the annotation of its key."""
     table, hint, named = file, None, False
     for part in location:
@@ -95,7 +95,7 @@ def _declared(file: type[BaseModel], location: Location) -> Declared:
         free = hints["__pydantic_extra__"] if table.model_config.get("extra") == "allow" else None
         hint = hints[part] if part in table.model_fields else free
         named = part in table.model_fields and any(get_origin(kind) is dict for kind in parts(hint))
-    return Declared(table, hint)
+    return ExpectedForm(table, hint)
 
 
 def _model(hint: Any) -> type[BaseModel] | None:
@@ -163,7 +163,7 @@ def _number(hint: Any, given: object, unit: UnitOf) -> str:
     return expected
 
 
-def _table(location: Location, declared: Declared, given: object) -> str:
+def _table(location: Location, declared: ExpectedForm, given: object) -> str:
     """What the table has that is expected at a place."""
     *_, key = location
     headed = all(isinstance(part, str) for part in location)

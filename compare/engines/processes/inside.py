@@ -62,7 +62,7 @@ class Ended:
     at_limit: bool = False  # of time or memory
 
 
-class Language(NamedTuple):
+class Encoding(NamedTuple):
     """How answers are written in a process, and read by its parent."""
 
     written: Callable[[Any], bytes]
@@ -70,7 +70,7 @@ class Language(NamedTuple):
 
 
 def serve(
-    connection: "Connection[bytes, bytes]", function: Callable[[Item], Result], parent: int, language: Language
+    connection: "Connection[bytes, bytes]", function: Callable[[Item], Result], parent: int, language: Encoding
 ) -> None:
     """Answer until the parent has gone."""
     _prepare(parent, connection.fileno())
@@ -85,7 +85,7 @@ def serve(
             connection.send_bytes(answer(function, item, limits, language))
 
 
-def answer(function: Callable[[Item], Result], item: Item, limits: Limits, language: "Language") -> bytes:
+def answer(function: Callable[[Item], Result], item: Item, limits: Limits, language: "Encoding") -> bytes:
     """The function's result for an item, or how it ended whatever it raises, in a message; see `outcome_of`."""
     try:
         return language.written([function(item)])
@@ -110,8 +110,8 @@ def packed(message: object) -> bytes:
     return bytes(ForkingPickler.dumps(message))
 
 
-OWN = Language(packed, pickle.loads)  # between processes of this project's own code
-PLAIN = Language(messages.written, messages.read)  # of a process with anybody's code: numbers and text
+OWN = Encoding(packed, pickle.loads)  # between processes of this project's own code
+PLAIN = Encoding(messages.written, messages.read)  # of a process with anybody's code: numbers and text
 
 
 def _read_only(mapping: dict[Any, Any]) -> MappingProxyType[Any, Any]:

@@ -22,9 +22,9 @@ from ..reasons import described
 from .inside import (
     LINUX,
     OWN,
+    Encoding,
     Ended,
     Item,
-    Language,
     Limits,
     Result,
     descendants,
@@ -47,7 +47,7 @@ CHUNK, HEAD = 2**20, 4  # bytes of a message that are taken at a time, and that 
 class Worker(Generic[Item, Result]):
     """A process that calls one function with what it is asked, one after the other, until it dies or is ended."""
 
-    def __init__(self, function: Callable[[Item], Result], language: Language = OWN) -> None:
+    def __init__(self, function: Callable[[Item], Result], language: Encoding = OWN) -> None:
         """Begin the process; InputError where the system allows no further one.
 
         Args:
@@ -162,7 +162,7 @@ class Worker(Generic[Item, Result]):
 
 
 def isolated(
-    function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Poll, language: Language = OWN
+    function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Poll, language: Encoding = OWN
 ) -> Iterator[tuple[Item, Result | Ended]]:
     """Yield every item with what the function returns for it, or how it ended; where `poll` raises, all ends.
 

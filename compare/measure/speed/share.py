@@ -75,7 +75,7 @@ class Watch:
         return inf if share >= 1 else (self._began - since) * share / (1 - share)
 
 
-class Part:
+class EngineShare:
     """An engine's part of the time for a speed table."""
 
     def __init__(self, watch: Watch, allowed: float, seconds: float, steps: int) -> None:

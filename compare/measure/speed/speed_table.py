@@ -25,7 +25,7 @@ from ...engines.runner import HERE, Run, Runs
 from ...judge.measure import Measurement, assess
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain
-from .share import ERRORS, LEFT_OUT, SAMPLING, Part, Watch, at_samples, last_run, steps_per_cycle
+from .share import ERRORS, LEFT_OUT, SAMPLING, EngineShare, Watch, at_samples, last_run, steps_per_cycle
 from .work_precision import LEVELS, TIE, SpeedRow, contenders, groups, solved
 
 DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
@@ -81,7 +81,9 @@ def speed_table(
 
     def error_runs() -> Iterator[tuple[Run, SpeedRow]]:
         for number, engine in enumerate(names):
-            part = Part(watch, (ERRORS * allowed - watch.taken()) / (len(names) - number), *last_run(main, engine))
+            part = EngineShare(
+                watch, (ERRORS * allowed - watch.taken()) / (len(names) - number), *last_run(main, engine)
+            )
             free = {settings for name, settings in known if name == engine}
             yield from _error_runs(at, engine, budget, progress, part, free)
 
@@ -113,7 +115,7 @@ def _error_runs(
     engine: str,
     budget: Budget,
     progress: Progress,
-    part: Part,
+    part: EngineShare,
     free: Collection[Settings],
 ) -> Iterator[tuple[Run, SpeedRow]]:
     """Every setting's error run and row; once one has taken too long, the finer ones of its family are not run."""
