@@ -22,7 +22,7 @@ import pandas as pd
 
 import scenes
 from scenes.errors import one_line
-from tests.mutated_scenes import slightly_mutated
+from tests.faults.mutated_scenes import slightly_mutated
 
 OUT = Path(__file__).parents[1] / "results" / "mutated_runs.csv"
 MOST_SECONDS, MOST_MB = 20.0, 1000.0

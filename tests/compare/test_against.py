@@ -1,28 +1,21 @@
 """An earlier run beside a later one in its page: the numbers before, and the curves and the picture as a ghost."""
 
 import json
-import re
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
-import analytic
 from compare.judge.peaks.peaks import Peak
 from compare.report.output.earlier import SummaryPeak, at_positions, before, summary_of
 from compare.report.tables.first_screen import answers
 from compare.run import main
-from compare.study import Study
-from scenes import Motion, Sampling, load
+from scenes import Motion, load
 from tests import scene_files
-from tests.comparisons import only_few_settings
-from tests.pages import silent, unpacked
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+from tests.comparisons import Studies, only_few_settings
+from tests.pages import unpacked
 
 LONGER = {"bodies.rocker.lengths.C-B": 260, "ground.points.C": [210, 0]}
 
@@ -148,48 +141,7 @@ def test_bad_arguments(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
         assert expected in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("width", [390, 1400])
-def test_the_ghost_in_a_browser(width: int, browser: "Browser", both: tuple[Path, Path]) -> None:
-    """At half a turn it is where the earlier run had it, with the ground's points of then."""
-    asked = {"viewport": {"width": width, "height": 900}, "reduced_motion": "reduce"}
-    with silent(browser, both[1] / "report.html", **asked) as page:
-        page.wait_for_selector("#linkage .player:not([hidden])")
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        page.locator("#linkage [type=range]").evaluate("s => { s.value = 18; s.dispatchEvent(new Event('input')); }")
-        paths = page.locator("#linkage .engine").evaluate_all(
-            "all => all.map(p => [p.getAttribute('d'), p.style.strokeDasharray])"
-        )
-        assert [bool(drawn) for drawn, _ in paths] == [False, True], "the engine's difference is off"
-        assert paths[1][1]
-        corners = [complex(*map(float, at.split())) for at in paths[1][0].lstrip("M").replace("M", "L").split("L")]
-        scene = load("four_bar")
-        motion = analytic.solve(scene, Sampling(36).commanded(scene)[[18]])
-        crank, rocker = ([corners[0], corners[1]], corners[-2:])
-        scale = abs(crank[1] - crank[0]) / 0.1
-        b = complex(motion["B.x"][0], motion["B.y"][0])
-        assert abs(rocker[1] - rocker[0]) / scale == pytest.approx(0.25, rel=1e-3)
-        assert (rocker[0] - crank[0]) / scale == pytest.approx(0.2, abs=1e-3)
-        assert ((rocker[1] - crank[0]) / scale).conjugate() == pytest.approx(b, abs=1e-3)
-
-
-def test_a_polar_diagram_has_the_run_before_as_it_was(browser: "Browser", both: tuple[Path, Path]) -> None:
-    """Beside the engines, whose differences are magnified as without it; in a body's frame it is not drawn."""
-    with silent(browser, both[1] / "report.html", viewport={"width": 1400, "height": 900}) as page:
-        page.locator("#polar").scroll_into_view_if_needed()
-        page.wait_for_selector("#polar .curve[d]")
-        magnified = re.search(r"engines are ([\d,]+) times as large", page.inner_text("#polar .caption"))
-        assert magnified is not None
-        assert float(magnified[1].replace(",", "")) >= 1000
-        curves = page.locator("#polar .curve").evaluate_all("all => all.map(p => p.getAttribute('d'))")
-        now, then = (max(abs(float(tip.split()[0])) for tip in curves[n][1:].split("L")) for n in (0, -1))
-        old, new = (pd.read_csv(folder / "motion.analytic.csv")["O.fx [N]"].abs().max() for folder in both)
-        assert then / now == pytest.approx(old / new, rel=1e-2)  # of other samples
-        page.select_option("#polar [name=frame]", "crank")
-        curves = page.locator("#polar .curve").evaluate_all("all => all.map(p => p.getAttribute('d'))")
-        assert [bool(curve) for curve in curves] == [True, True, False]
-
-
-def test_a_report_alone_has_no_ghost(press_study: Study) -> None:
+def test_a_report_alone_has_no_ghost(studies: Studies) -> None:
     from compare.report.pages.report import page
 
-    assert "dashed: before" not in page(press_study)
+    assert "dashed: before" not in page(studies("toggle_press"))

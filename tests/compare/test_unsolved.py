@@ -5,7 +5,6 @@ from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,10 +17,6 @@ from compare.run import main
 from scenes import Failure, Scene
 from scenes.model.enclosures import MotionRange
 from tests import friction_scenes, scene_files
-from tests.pages import silent
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
 
 SHORT = {"bodies.rocker.lengths.O-P3": 30}  # the press goes only part of a turn
 LOOSE = {"bodies.crank.lengths.O-A": 1000}  # the four-bar never assembles
@@ -187,17 +182,3 @@ def test_no_assemblies_are_a_line_too(name: str, capsys: pytest.CaptureFixture[s
     assert main([str(scene_files.path(name)), "four_bar", "--assemblies", "--out", str(tmp_path)]) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert (tmp_path / "four_bar" / "assemblies.html").exists()
-
-
-@pytest.mark.parametrize("width", [390, 1400])
-def test_the_page_in_a_browser(width: int, browser: "Browser", tmp_path: Path) -> None:
-    file = scene_files.write(tmp_path, "toggle_press", SHORT)
-    assert main([str(file), "--engines", "analytic", "--out", str(tmp_path)]) == 2
-    with silent(browser, tmp_path / "toggle_press" / "report.html", viewport={"width": width, "height": 800}) as page:
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        assert page.locator(".mark").count() == 1
-        assert page.locator(".ghost").is_visible()
-        expected = (
-            "The drive is to go from 0.0000 deg to 360.0000 deg. The linkage goes from 12.8552 deg to 66.1809 deg."
-        )
-        assert page.get_by_text(expected).count() == 1

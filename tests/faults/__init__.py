@@ -1,1 +1,1 @@
-"""The checker is checked: motions, scenes and code that are wrong on purpose, and whether the comparison notices."""
+"""What is wrong on purpose: motions, scenes, code, engines and files, and processes that are killed."""

@@ -4,7 +4,7 @@ import json
 import re
 from base64 import b64decode
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 from xml.etree import ElementTree
 
 import pytest
@@ -14,13 +14,8 @@ from compare.report.output.placing import replace_file
 from compare.report.pages.index import index_page
 from compare.report.tables.first_screen import parted
 from compare.run import main
-from compare.study import Study
 from tests import scene_files
-from tests.comparisons import only_few_settings
-from tests.pages import silent
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+from tests.comparisons import Studies, only_few_settings
 
 ASKED = ["--engines", "analytic", "--samples", "24"]
 SHORT = {"bodies.rocker.lengths.O-P3": 30, "name": "short", "title": "<b>short</b>"}
@@ -69,13 +64,14 @@ def test_a_row_each(reports: Path) -> None:
     assert [ElementTree.fromstring(each).tag.rpartition("}")[2] for each in pictures] == ["svg", "svg"]
 
 
-def test_the_numbers_are_those_of_the_first_screen(press_study: Study) -> None:
+def test_the_numbers_are_those_of_the_first_screen(studies: Studies) -> None:
     """All but those of single joints; of these the largest pin force, before the drive's."""
-    whole, joints = parted(press_study.peaks)
+    peaks = studies("toggle_press").peaks
+    whole, joints = parted(peaks)
     names = [peak.name for peak in whole]
     assert names.index("largest force at P1") == names.index("peak driving torque") - 1
     assert sum("force at" in name for name in names) == 1
-    left = [peak for peak in press_study.peaks if peak not in (*whole, *joints)]
+    left = [peak for peak in peaks if peak not in (*whole, *joints)]
     assert all(peak.value == 0 for peak in left)
 
 
@@ -143,11 +139,3 @@ def test_a_page_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.
     with pytest.raises(OSError, match="no space"):
         replace_file(file, lambda: "new")
     assert {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()} == {"index.html": "old"}
-
-
-@pytest.mark.parametrize("width", [390, 1400])
-def test_in_a_browser(width: int, browser: "Browser", reports: Path) -> None:
-    with silent(browser, reports / "index.html", viewport={"width": width, "height": 800}) as page:
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        page.wait_for_function("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
-        assert page.locator(".reports > li").count() == 2

@@ -40,7 +40,7 @@ def test_a_plot_has_every_engine_and_the_error(result: CheckResult) -> None:
 
 
 def test_a_shown_plot_has_no_button_that_sends_its_data(result: CheckResult, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By whatever a notebook asks a figure for; tests/compare/test_browser_controls.py has its buttons."""
+    """By whatever a notebook asks a figure for; tests/browser/test_controls.py has its buttons."""
     import plotly.io
 
     figure, shown = result.plot("T.ay"), []

@@ -6,8 +6,7 @@ from functools import partial
 from random import Random
 
 import scenes
-
-from .scene_files import FOLDER
+from tests.scene_files import FOLDER
 
 TEXTS = {path.stem: path.read_text(encoding="utf-8") for path in (*FOLDER.glob("*.toml"), *scenes.shipped().values())}
 NUMBER = re.compile(r"(?<![\w.+-])[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.])")

@@ -14,7 +14,7 @@ import scenes
 from scenes import InputError
 from scenes.model.motion import channels
 from tests.comparisons import SLOW
-from tests.mutated_scenes import mutated, slightly_mutated
+from tests.faults.mutated_scenes import mutated, slightly_mutated
 
 AT_ONCE = 2.0  # s of the processor; most take 3 ms, and the largest of 300 times as many lines a second
 

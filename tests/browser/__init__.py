@@ -1,0 +1,1 @@
+"""Pages in a real browser: reports, families, the bench, and what their buttons do."""
