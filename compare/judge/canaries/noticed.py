@@ -1,6 +1,6 @@
 """An ok run at a few rows of its first cycle, and what has to be noticed when a copy of it is wrong."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TypeAlias
@@ -17,6 +17,7 @@ from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference, on_switch
 from ...mechanics.round_off import Explained, perturbed
 from ...mechanics.scales import apart
+from ..checks import Check
 from ..errors import shown_groups
 from ..measure import Measurement, assess, gates, missed
 from ..verdict import BALANCES, judged
@@ -126,7 +127,8 @@ def stops_without_a_motion(copy: Thinned) -> bool:
 def each_check_alone(sign: int, copy: Thinned) -> bool:
     """Whether checks notice by themselves that all channels are off, that they found no number, or too much."""
     scene, settings = copy.scene, copy.settings
-    measured = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
+    off = {channel: sign * amount for channel, amount in copy.amounts().items()}
+    measured = copy.assessed(spoilt.shifted(copy.motion, off))
     names = {"drive", "closure", "branch", *shown_groups(scene), *(BALANCES if scene.has_masses else ())}
     alone = {name: [check for check in measured.checks if check.check == name] for name in names}
     too_much = EXCESS * max(settings.promise, settings.drive_promise)
@@ -136,8 +138,21 @@ def each_check_alone(sign: int, copy: Thinned) -> bool:
         and stops(copy, measured)
         and (not scene.has_masses or _balances_notice(copy, sign * FAR))  # single forces, since much cancels in them
         and all(judged(copy.run, own).status is not Status.ok for own in one_by_one)
-        and all(judged(copy.run, alone[name]).status is not Status.ok for name in names - BLIND)
+        and all(_refuse(copy, alone[name]) for name in names - BLIND - {"closure"})
+        and (_refuse(copy, alone["closure"]) or _across_is_open(copy, off))
     )
+
+
+def _refuse(copy: Thinned, found: Sequence[Check]) -> bool:
+    """Whether what checks found makes the run fail."""
+    return judged(copy.run, found).status is not Status.ok
+
+
+def _across_is_open(copy: Thinned, off: Mapping[str, Samples]) -> bool:
+    """Whether closure alone notices places that are off at right angles to `off`: no guide is along both."""
+    across = {channel: -amount if channel.endswith(".y") else amount for channel, amount in off.items()}
+    found = copy.assessed(spoilt.shifted(copy.motion, across)).checks
+    return _refuse(copy, [check for check in found if check.check == "closure"])
 
 
 def _balances_notice(copy: Thinned, times: float) -> bool:

@@ -113,6 +113,25 @@ def test_power_is_found_out_of_balance_where_the_driven_point_stands() -> None:
     assert not canaries(found)
 
 
+ALONG = {"1 to 1": [1, 1], "1 to 1, backwards": [-1, -1], "nearly": [1, 1.0001]}  # as all places are shifted
+
+
+@pytest.mark.parametrize("along", ALONG.values(), ids=ALONG)
+def test_places_off_along_the_only_guide_are_no_fault(along: list[float]) -> None:
+    """They are on it as before: the same shift across it shows that its closure is checked."""
+    guided = reference.uncertified(scene_files.load("mass_on_spring", {"bodies.mass.slides.along": along}))
+    found = judged(guided, ("analytic", "exudyn"))
+    assert found.ok
+    assert not canaries(found)
+
+
+@pytest.mark.parametrize("patch", ["no check", "a lax check"])
+def test_a_guide_whose_closure_is_not_checked_is_a_fault(patch: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    patched(monkeypatch, FROM_THE_START[f"{patch} of closure"])
+    guided = reference.uncertified(scene_files.load("mass_on_spring", {"bodies.mass.slides.along": [1, 1]}))
+    assert "too large, by one check" in " ".join(canaries(judged(guided, ("analytic",))))
+
+
 def test_several_engines(press: Judgement) -> None:
     assert not canaries(press)
 
