@@ -55,7 +55,7 @@ class AnalyticSimulation:
         if settings.half_angles:
             solver = replace(solver, motion_at=partial(kinematics, rrr=half_angle_position))
         elif settings.steps is not None:
-            solver = replace(solver, motion_at=partial(differenced, step=solver.scene.drive.cycle / settings.steps))
+            solver = replace(solver, motion_at=partial(differenced, step=solver.scene.cycle / settings.steps))
         asked = (Sampling(channels=frozenset(names)) for names in (solver.known, solver.own))
         self._solver, self._own = (replace(solver, request=some) for some in asked)  # no clock counts what is its own
         self._request, self._settings = request, settings

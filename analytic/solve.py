@@ -236,12 +236,12 @@ def driven_at(scene: Scene, position: Samples, time: ArrayLike | None, most: int
     shapes = [given.shape for given in (position, time) if given is not None]
     if any(not 0 < len(shape) <= most for shape in shapes) or len({shape[-1] for shape in shapes}) > 1:
         raise InputError(f"position, time: expected the shape (n,) of both, found {' and '.join(map(str, shapes))}")
-    if isinstance(scene.drive, ConstantSpeed):
-        instants = (position - scene.drive.start) / scene.drive.speed if time is None else time
-        return instants, Driven(position, np.array(scene.drive.speed), np.array(0.0))
+    if isinstance(scene.drive.law, ConstantSpeed):
+        instants = (position - scene.drive.law.start) / scene.drive.law.speed if time is None else time
+        return instants, Driven(position, np.array(scene.drive.law.speed), np.array(0.0))
     if time is None:
         raise InputError("a drive that follows a law needs the instants")
-    return time, scene.drive.at(time)._replace(position=position)
+    return time, scene.drive.law.at(time)._replace(position=position)
 
 
 @np.errstate(invalid="ignore", divide="ignore", over="ignore")  # what hangs on a group that does not reach is NaN

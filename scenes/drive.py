@@ -1,13 +1,13 @@
-"""The drive: where the driven body is to be at every instant. It is the scene's input, not a result of any model.
+"""A drive: the body it moves, against what, and its law. It is the scene's input, not a result of any model.
 
-A driven crank has an angle, rad, a driven slider the displacement of its first point along its guide from `through`, m.
-`position` below is the one or the other.
+The law is where that body is to be at every instant: the angle of a crank, rad, or the displacement of a slider's first
+point along its guide from `through`, m. `position` below is the one or the other.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi
+from math import pi, remainder, tau
 from typing import Annotated, TypeAlias
 
 import numpy as np
@@ -15,19 +15,20 @@ from numpy.typing import ArrayLike
 from pydantic import Field, Strict
 
 from . import limits
+from .bodies import GROUND, Slide
 from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
 from .laws import LAWS, Driven, HarmonicLaw, Law, Piece, Samples, SegmentedLaw
 from .splines import CubicSpline, cubic_spline
 
-__all__ = ["ConstantSpeed", "Drive", "DriveTable", "Driven", "HarmonicLaw", "MotionLaw", "Samples", "SegmentedLaw"]
+__all__ = ["ConstantSpeed", "Drive", "DriveLaw", "DriveTable", "Driven", "HarmonicLaw", "MotionLaw", "Samples"]
+__all__ += ["SegmentedLaw"]
 
 
 @dataclass(frozen=True)
 class ConstantSpeed:
     """A constant speed: turn after turn, or once from `start` to `end`."""
 
-    body: str
     speed: Speed  # rad/s, positive counter-clockwise, or m/s; never zero
     start: Position  # rad or m, when time is zero
     end: Position | None  # None for a crank that turns for ever
@@ -76,7 +77,6 @@ class MotionLaw(Law):
     continue smoothly from one period to the next.
     """
 
-    body: str
     times: tuple[Time, ...] = field(metadata={"path": "law.*.0"})  # s, increasing, from zero
     positions: tuple[Position, ...] = field(metadata={"path": "law.*.1"})  # rad or m
     periodic: bool  # whether a cycle can follow the one before
@@ -132,7 +132,54 @@ class MotionLaw(Law):
         return cubic_spline(times, positions, periodic=self.periodic)
 
 
-Drive: TypeAlias = ConstantSpeed | MotionLaw | SegmentedLaw | HarmonicLaw
+DriveLaw: TypeAlias = ConstantSpeed | MotionLaw | SegmentedLaw | HarmonicLaw
+
+
+@dataclass(frozen=True)
+class Drive:
+    """One drive: a crank at its pin on the ground or on another body, or a slider along its guide."""
+
+    body: str  # which it moves
+    law: DriveLaw = field(metadata={"path": ""})  # whose keys stand beside the body's in the file
+    on: str = GROUND  # the body against which it moves that, by the pin or by the guide
+    slide: Slide | None = field(default=None, compare=False, metadata={"path": None})  # of a scene's: the body's guide
+
+    @property
+    def channel(self) -> str:
+        """The channel of its position: `crank_angle`, or `drive.displacement` of a driven slider."""
+        return "crank_angle" if self.slide is None else "drive.displacement"
+
+    @property
+    def effort_channel(self) -> str:
+        """The channel of what it does: `drive.torque` on a crank, `drive.force` on a driven slider."""
+        return "drive.torque" if self.slide is None else "drive.force"
+
+    @property
+    def kind(self) -> str | None:
+        """What engines call it that need not know it; None of a crank or a slider on the ground."""
+        if self.on == GROUND:
+            return None
+        return "drives between moving bodies" if self.slide is None else "cylinders that drive"
+
+    @property
+    def travel(self) -> float:
+        """What its errors are shares of: one radian of a crank, the way of a slider, m."""
+        least, largest = self.law.extent
+        return 1.0 if self.slide is None else float(largest - least)
+
+    def in_range(self, position: float) -> float:
+        """A position, rad or m; of a crank that by whole turns next to the middle of its range.
+
+        One that turns fully has no end to lock beyond, and may go the shorter way to its start. The 50-digit model and
+        the analytic core have this by themselves.
+        """
+        if self.slide is not None:
+            return position
+        low, high = self.law.extent
+        near = self.law.start if high - low > tau - 1e-6 else (low + high) / 2  # rad; a turn less all roundings
+        return near - remainder(near - position, tau)
+
+
 LawRow = Annotated[tuple[Time, Position], Strict(False)]
 HarmonicRow = Annotated[tuple[Position, Frequency, Angle], Strict(False)]
 BESIDE = {"speed": ("start", "end"), "law": ("periodic",), "segments": ("start", "periodic"), "harmonics": ("start",)}
@@ -180,6 +227,9 @@ class DriveTable(FileTable):
 
     def drive(self) -> Drive:
         """The drive, its numbers as they are; InputError where the keys do not go together."""
+        return Drive(self.body, self._law(), self.on or GROUND)
+
+    def _law(self) -> DriveLaw:
         given = [key for key in BESIDE if getattr(self, key) is not None]
         if len(given) != 1:
             found = " and ".join(f"'{key}'" for key in given) or "none"
@@ -190,12 +240,12 @@ class DriveTable(FileTable):
                 raise InputError(f"drive.{key}: expected none with a '{given[0]}', but with {instead}")
         start, periodic = self.start or 0.0, bool(self.periodic)
         if self.speed is not None:
-            return ConstantSpeed(self.body, self.speed, start, self.end)
+            return ConstantSpeed(self.speed, start, self.end)
         if self.segments is not None:
             segments = (table.segment(f"drive.segments.{number}") for number, table in enumerate(self.segments))
             ends, durations, laws = zip(*segments, strict=True)
-            return SegmentedLaw(self.body, start, ends, durations, laws, periodic)
+            return SegmentedLaw(start, ends, durations, laws, periodic)
         if self.harmonics is not None:
-            return HarmonicLaw(self.body, start, *zip(*self.harmonics, strict=True))
+            return HarmonicLaw(start, *zip(*self.harmonics, strict=True))
         times, positions = zip(*self.law or (), strict=True)
-        return MotionLaw(self.body, times, positions, periodic)
+        return MotionLaw(times, positions, periodic)

@@ -121,7 +121,8 @@ class Declared(NamedTuple):
     """A field of a dataclass that holds numbers, or other dataclasses that do."""
 
     name: str
-    path: str  # in the file's table: the name, unless the field's metadata have a `path`
+    path: str  # in the file's table: the name, or the `path` of its metadata; empty where its keys are the table's own
+    lone: str  # the path of an only entry, where its metadata have that
     quantity: Quantity | None  # of a field that holds numbers
     kinds: tuple[type, ...]  # of what it holds otherwise
     several: bool  # whether it holds these by keys
@@ -136,8 +137,10 @@ def walk(whole: Any, path: str = "", at: At = (), quantity: Quantity | None = No
     if is_dataclass(whole):
         kind: type = type(whole)
         for field in declared(kind):
-            inner = f"{path}.{field.path}" if path else field.path
-            yield from walk(getattr(whole, field.name), inner, (*at, field.name), field.quantity)
+            part, own, place = getattr(whole, field.name), field.path, (*at, field.name)
+            if field.lone and len(part) == 1:
+                (part,), own, place = part, field.lone, (*place, 0)
+            yield from walk(part, ".".join(filter(None, (path, own))), place, field.quantity)
     elif isinstance(whole, Mapping | tuple):
         for key, value in whole.items() if isinstance(whole, Mapping) else enumerate(whole):
             name = "-".join(sorted(key)) if isinstance(key, frozenset) else str(key)
@@ -161,15 +164,16 @@ def quantity_at(kind: type, at: Sequence[object]) -> Quantity | None:
 
 @cache
 def declared(kind: type) -> tuple[Declared, ...]:
-    """The fields of a dataclass that hold numbers."""
+    """The fields of a dataclass that hold numbers of the file; those whose `path` is None hold them once more."""
     hints, wanted = get_type_hints(kind, include_extras=True), []
     for field in fields(kind):
         of = [*parts(hints[field.name])]
         quantity = next((part for part in of if isinstance(part, Quantity)), None)
         kinds = tuple(part for part in of if isinstance(part, type) and is_dataclass(part))
-        if quantity or kinds:
+        path = field.metadata.get("path", field.name)
+        if (quantity or kinds) and path is not None:
             several = any(get_origin(part) in (Mapping, tuple) for part in of)
-            wanted.append(Declared(field.name, field.metadata.get("path", field.name), quantity, kinds, several))
+            wanted.append(Declared(field.name, path, field.metadata.get("lone", ""), quantity, kinds, several))
     return tuple(wanted)
 
 

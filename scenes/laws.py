@@ -118,7 +118,6 @@ class SegmentedLaw(Law):
     What an instant on a boundary has is the later segment's; at the end of what is not periodic the last one's.
     """
 
-    body: str
     start: Position  # rad or m, when time is zero
     ends: tuple[Position | None, ...] = field(metadata={"path": "segments.*.to"})  # rad or m; None of a dwell
     durations: tuple[Duration, ...] = field(metadata={"path": "segments.*.within"})  # s
@@ -177,7 +176,6 @@ class SegmentedLaw(Law):
 class HarmonicLaw(Law):
     """A sum of sines about a position, for ever; its cycle is their least common period."""
 
-    body: str
     middle: Position = field(metadata={"path": "start"})  # rad or m
     amplitudes: tuple[Position, ...] = field(metadata={"path": "harmonics.*.0"})  # rad or m
     frequencies: tuple[Frequency, ...] = field(metadata={"path": "harmonics.*.1"})  # 1/s

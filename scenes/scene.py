@@ -6,23 +6,23 @@ models is one the comparison cannot see. What a body as drawn weighs has a secon
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import pi, remainder, sqrt, tau
+from math import pi, sqrt
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from . import limits
 from .bodies import GROUND, Body, DrawnBody, Slide
-from .drive import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
+from .drive import ConstantSpeed, Drive, DriveLaw, HarmonicLaw, MotionLaw, SegmentedLaw
 from .elements.friction import Friction, GuideFriction, PinFriction
 from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
 from .elements.springs import Spring, TorsionSpring
 from .fields import FileTable, Finite, Gravity, Number, Place, Position, Positive, Vector, put, walk
 
 __all__ = ["GROUND", "Body", "DrawnBody", "Pin", "Scene", "Sketch", "Slide", "Vector"]
-__all__ += ["ConstantSpeed", "Drive", "HarmonicLaw", "MotionLaw", "SegmentedLaw"]
+__all__ += ["ConstantSpeed", "Drive", "DriveLaw", "HarmonicLaw", "MotionLaw", "SegmentedLaw"]
 __all__ += ["Force", "GuideForce", "Load", "Moment", "PressForce", "TableForce"]
 __all__ += ["Friction", "GuideFriction", "PinFriction", "Spring", "TorsionSpring"]
 
@@ -105,7 +105,7 @@ class Scene:
     file: str  # where it was read from, for messages
     ground: Mapping[str, Place] = field(metadata={"path": "ground.points"})  # m
     bodies: Mapping[str, Annotated[Body, DrawnBody]]  # the moving bodies, in file order
-    drive: Drive
+    drives: tuple[Drive, ...] = field(metadata={"path": "drives", "lone": "drive"})  # one, each with its guide
     loads: tuple[Load, ...]
     springs: tuple[Spring, ...]
     gravity: tuple[Gravity, Gravity] | None  # m/s^2
@@ -117,7 +117,11 @@ class Scene:
     variations: tuple[VariationTable, ...] = ()  # what the workshop may deviate, in the units of the file
     torsion_springs: tuple[TorsionSpring, ...] = ()
     friction: tuple[Friction, ...] = ()
-    drive_on: str = GROUND  # the body against which the drive moves its own, by a pin or by a guide
+
+    def __post_init__(self) -> None:
+        """Give each drive the guide of its body, whatever numbers that has now."""
+        drives = (replace(drive, slide=self.bodies[drive.body].slide) for drive in self.drives)
+        object.__setattr__(self, "drives", tuple(drives))
 
     def __hash__(self) -> int:
         """The hash of its name: what an engine finds once a scene is known by the scene."""
@@ -184,25 +188,27 @@ class Scene:
     def kinds(self) -> frozenset[str]:
         """The kinds of what acts on the bodies, and of drives that not every engine knows."""
         kinds = {one.kind for one in (*(element for _, element in self.elements), *self.friction)}
-        if self.drive_on != GROUND:
-            kinds.add("drives between moving bodies" if self.driven_slide is None else "cylinders that drive")
-        return frozenset(kinds)
+        return frozenset(kinds | {drive.kind for drive in self.drives if drive.kind})
 
     @property
-    def driven_slide(self) -> Slide | None:
-        """The guide of the driven body; None where that is a crank."""
-        return self.bodies[self.drive.body].slide
+    def drive(self) -> Drive:
+        """The only drive, for what is a function of its position: tracks, ranges, dead points, assemblies."""
+        (drive,) = self.drives
+        return drive
+
+    def with_law(self, law: DriveLaw) -> "Scene":
+        """The scene with another law of its only drive."""
+        return replace(self, drives=(replace(self.drive, law=law),))
 
     @property
-    def sketched_drive(self) -> float:
-        """The sketch's position of the drive, rad or m; of a crank that by whole turns next to the middle of its range.
+    def cycle(self) -> float:
+        """How long one cycle takes, s."""
+        return self.drive.law.cycle
 
-        One that turns fully has no end to lock beyond, and may go the shorter way to its start. The 50-digit model and
-        the analytic core have this by themselves.
-        """
-        low, high = self.drive.extent
-        near = self.drive.start if high - low > tau - 1e-6 else (low + high) / 2  # rad; a turn less all roundings
-        return near - remainder(near - self.sketch.drive, tau) if self.driven_slide is None else self.sketch.drive
+    @property
+    def periodic(self) -> bool:
+        """Whether a cycle can follow the one before."""
+        return self.drive.law.periodic
 
     def guided(self, point: str) -> tuple[str, Slide] | None:
         """The body at a point that slides on the ground, and its guide; None where none does."""
@@ -211,23 +217,23 @@ class Scene:
 
     @property
     def drive_channel(self) -> str:
-        """The channel of the drive's position: `crank_angle`, or `drive.displacement` of a driven slider."""
-        return "crank_angle" if self.driven_slide is None else "drive.displacement"
+        """The channel of the drive's position."""
+        return self.drive.channel
 
     @property
     def effort_channel(self) -> str:
-        """The channel of what the drive does: `drive.torque` on a crank, `drive.force` on a driven slider."""
-        return "drive.torque" if self.driven_slide is None else "drive.force"
+        """The channel of what the drive does."""
+        return self.drive.effort_channel
 
     @cached_property
     def all_units(self) -> Mapping[str, tuple[str, float]]:
         """The unit of each dimension in the file: its name, and what it is in SI; a direction has none."""
-        return units_of_all(self.units, slides=self.driven_slide is not None)
+        return units_of_all(self.units, slides=self.drive.slide is not None)
 
     @cached_property
     def numbers(self) -> Mapping[str, Number]:
         """By path in the file, the numbers that machines of one topology may differ by: not of laws or the sketch."""
-        fixed = ("sketch",) if isinstance(self.drive, ConstantSpeed) else ("sketch", "drive")
+        fixed = ("sketch",) if isinstance(self.drive.law, ConstantSpeed) else ("sketch", "drives")
         return {number.path: number for number in walk(self) if number.at[0] not in fixed}
 
     def size(self, number: Number) -> float:
@@ -260,7 +266,7 @@ class Scene:
 
     def position(self, position: float) -> str:
         """A position of the drive, rad or m, in the unit of the file: `30.0000 deg`, `560 mm`."""
-        if self.driven_slide is not None:
+        if self.drive.slide is not None:
             return self.length(position, 6)
         unit, size = self.units["angle"]
         return f"{position / size:z.{4 if size <= pi / 180 else 6}f} {unit}"
@@ -271,7 +277,7 @@ class Scene:
 
     def where(self, position: float) -> str:
         """What messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 560 mm`."""
-        name = "crank angle" if self.driven_slide is None else f"{self.drive.body} at"
+        name = "crank angle" if self.drive.slide is None else f"{self.drive.body} at"
         return f"{name} {self.position(position)}"
 
     @cached_property

@@ -64,8 +64,8 @@ def _sketched_angle(scene: Scene, local: Mapping[str, Points], name: str) -> flo
     group, drawn = scene.aligned[name], {**scene.ground, **scene.sketch.points}
     if GROUND in group:
         return 0.0
-    if scene.driven_slide is None and scene.drive.body in group:
-        on = scene.drive_on
+    if scene.drive.slide is None and scene.drive.body in group:
+        on = scene.drive.on
         return scene.sketch.drive + (0.0 if on == GROUND else _sketched_angle(scene, local, on))
     for points in (local[other] for other in (name, *sorted(group))):
         if len(shown := [point for point in points if point in drawn]) > 1:

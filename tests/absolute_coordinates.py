@@ -45,8 +45,8 @@ def instants(
     model: "Absolute", position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None = None
 ) -> Iterator[Instant]:
     """Yield what is known of each instant but its forces."""
-    if time is None and isinstance(model.scene.drive, ConstantSpeed):
-        time = (np.asarray(position) - model.scene.drive.start) / model.scene.drive.speed
+    if time is None and isinstance(model.scene.drive.law, ConstantSpeed):
+        time = (np.asarray(position) - model.scene.drive.law.start) / model.scene.drive.law.speed
     given = (position, rate, acceleration, np.nan if time is None else time)
     asked = np.stack(np.broadcast_arrays(*map(np.atleast_1d, given)), dtype=float)
     poses = model.poses(asked[0])
@@ -108,8 +108,8 @@ class Absolute:
 
     def drive(self, position: float) -> tuple[Floats, float]:
         """Return the form and the value of the drive's equation, Q' H Q = value; its rates are the drive's own."""
-        name, on = self.scene.drive.body, self.scene.drive_on
-        if self.scene.driven_slide is not None:
+        name, on = self.scene.drive.body, self.scene.drive.on
+        if self.scene.drive.slide is not None:
             return self.displacement(name), position
         square = self.vector(on, (-np.sin(position), np.cos(position)))  # to where the x axis is to be
         return _symmetric(square.T @ self.vector(name, (1.0, 0.0))), 0.0
@@ -139,7 +139,7 @@ class Absolute:
     def poses(self, positions: Floats) -> dict[float, Floats]:
         """Return Q by the position of the drive, at those asked for, at its start, and at some between for twists."""
         at, found = self.scene.sketch.drive, dict[float, Floats]()
-        stops = np.append(positions, self.scene.drive.start)
+        stops = np.append(positions, self.scene.drive.law.start)
         if self.scene.torsion_springs:
             stops = np.append(stops, np.arange(stops.min(), stops.max(), self.step))
         Q = self.assembled()
@@ -151,8 +151,8 @@ class Absolute:
     @property
     def step(self) -> float:
         """The longest way of the drive from one pose to the next."""
-        least, most = self.scene.drive.extent
-        return 2 * pi / STEPS if self.scene.driven_slide is None else (most - least) / STEPS
+        least, most = self.scene.drive.law.extent
+        return 2 * pi / STEPS if self.scene.drive.slide is None else (most - least) / STEPS
 
     def follow(self, Q: Floats, start: float, end: float) -> Floats:
         """Return Q at another position of the drive, by short steps."""
@@ -236,7 +236,7 @@ class Absolute:
         ends = dict.fromkeys(presses, -inf)
         if presses:
             Q, before = self.assembled(), self.scene.sketch.drive
-            for position in np.linspace(*self.scene.drive.extent, STEPS):
+            for position in np.linspace(*self.scene.drive.law.extent, STEPS):
                 Q, before = self.follow(Q, before, position), position
                 for load in presses:
                     ends[load] = max(ends[load], load.closing * self._peak(load, Q, position))
@@ -244,7 +244,7 @@ class Absolute:
 
     def _peak(self, load: PressForce, Q: Floats, position: float) -> float:
         """Return the displacement at the dead point next to a position, or there if there is none within a step."""
-        least, most = self.scene.drive.extent
+        least, most = self.scene.drive.law.extent
         (best,), here = self.displaced(load.body, Q), position
         for _ in range(8):
             _, slope, bend = self.displaced(load.body, Q, *self.rates(Q, here, 1.0, 0.0))

@@ -41,7 +41,7 @@ def reactions(model: "Absolute", now: Instant) -> dict[str, float]:
     """Return what holds the bodies and drives them: three equations a body, force, force, moment about its com."""
     scene, names, (Q, dQ, ddQ, *_) = model.scene, list(model.scene.bodies), now
     unknown = [name for name in channels(scene) if name.endswith((".fx", ".fy", ".guide_force", ".guide_moment"))]
-    unknown.append("drive.torque" if scene.driven_slide is None else "drive.force")
+    unknown.append("drive.torque" if scene.drive.slide is None else "drive.force")
     A, b = np.zeros((3 * len(names), len(unknown))), np.zeros(3 * len(names))
     com = {}
     for number, body in enumerate(scene.bodies.values()):
@@ -76,7 +76,7 @@ def reactions(model: "Absolute", now: Instant) -> dict[str, float]:
             A[:, unknown.index(f"{name}.guide_moment")] = couple
     driven = scene.bodies[scene.drive.body]
     at = model.point(driven.name, driven.points[0]) @ Q
-    on, slide, push, turn = scene.drive_on, driven.slide, np.zeros(2), 1.0
+    on, slide, push, turn = scene.drive.on, driven.slide, np.zeros(2), 1.0
     if slide is not None:
         push, turn = model.vector(slide.on, slide.along) @ Q, 0.0
     A[:, -1] = wrench(driven.name, push, at, turn) - wrench(on, push, at, turn)
@@ -90,14 +90,14 @@ def reactions(model: "Absolute", now: Instant) -> dict[str, float]:
 
 def twists(model: "Absolute", poses: Mapping[float, Floats]) -> dict[TorsionSpring, dict[float, float]]:
     """Return phi of every torsion spring by the position of the drive, continuous, from what it is at the start."""
-    start, found = [*poses].index(model.scene.drive.start), {}
+    start, found = [*poses].index(model.scene.drive.law.start), {}
     for spring in model.scene.torsion_springs:
         u, v = (
             np.array([model.vector(body, (1.0, 0.0)) @ Q for Q in poses.values()]) @ (1, 1j)
             for body in (spring.first, spring.second)
         )
         phi = np.unwrap(np.angle(v / u))
-        near = spring.drives(model.scene) * model.scene.drive.start
+        near = spring.drives(model.scene) * model.scene.drive.law.start
         off = phi[start] - near
         turns = np.ceil(off / (2 * pi) - 0.5) if near == 0 else np.round(off / (2 * pi))
         found[spring] = dict(zip(poses, (phi - 2 * pi * turns).tolist(), strict=True))

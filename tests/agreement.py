@@ -80,12 +80,12 @@ def worst(found: Channels) -> dict[str, float]:
 
 
 def instants(scene: Scene) -> Samples:
-    return np.linspace(0, scene.drive.cycle, 49)
+    return np.linspace(0, scene.cycle, 49)
 
 
 def solve(scene: Scene, time: Samples | None = None) -> Motion:
     time = instants(scene) if time is None else time
-    return analytic.solve(scene, scene.drive.at(time).position, time)
+    return analytic.solve(scene, scene.drive.law.at(time).position, time)
 
 
 def exact(scene: Scene, request: Request) -> Motion:

@@ -18,7 +18,7 @@ import scenes
 from scenes import Scene
 from scenes.fields import put, walk
 from scenes.file.reader import numbers_in, tables_of
-from scenes.scene import GROUND, Body, ConstantSpeed, Drive, Load, Moment, MotionLaw, Spring, TorsionSpring
+from scenes.scene import GROUND, Body, ConstantSpeed, DriveLaw, Load, Moment, MotionLaw, Spring, TorsionSpring
 
 from . import remainder_scenes as remainders
 from . import scene_files
@@ -105,7 +105,7 @@ def _drawn(number: int, strategy: st.SearchStrategy[Scene]) -> tuple[Scene, Size
 def tables(scene: Scene, sizes: Sizes) -> dict[str, Any]:
     """The tables of the file of a drawn scene, in other units and as many of them."""
     (length, L), (mass, M), (force, F), (angle, A) = sizes
-    slides = scene.driven_slide is not None
+    slides = scene.drive.slide is not None
     speed, per_second = (f"{length}/s", L) if slides else (("rpm", 30 / pi) if angle == "deg" else ("rad/s", 1.0))
     many = {"length": L, "mass": M, "force": F, "inertia": M * L**2, "stiffness": F / L, "speed": per_second}
     many |= {"angle": A, "position": L if slides else A} | dict.fromkeys(("time", "gravity", "direction"), 1.0)
@@ -120,7 +120,8 @@ def tables(scene: Scene, sizes: Sizes) -> dict[str, Any]:
         "gravity": scene.gravity,
         "ground": {"points": dict(scene.ground) or {"G": (0, 0)}},  # a file has one at least
         "bodies": {name: _body(body) for name, body in scene.bodies.items()},
-        "drive": _drive(scene.drive) | ({} if slides or scene.drive_on == GROUND else {"on": scene.drive_on}),
+        "drive": _drive(scene.drive.body, scene.drive.law)
+        | ({} if slides or scene.drive.on == GROUND else {"on": scene.drive.on}),
         "loads": [_load(load) for load in scene.loads],
         "springs": [
             {"between": [".".join(of.first), ".".join(of.second)], **_pull(of), "length": of.length}
@@ -152,11 +153,11 @@ def _body(body: Body) -> dict[str, Any]:
     return _without_none(table)
 
 
-def _drive(drive: Drive) -> dict[str, Any]:
-    if isinstance(drive, ConstantSpeed):
-        return _without_none(vars(drive))
-    assert isinstance(drive, MotionLaw)
-    return {"body": drive.body, "law": [*zip(drive.times, drive.positions, strict=True)], "periodic": drive.periodic}
+def _drive(body: str, law: DriveLaw) -> dict[str, Any]:
+    if isinstance(law, ConstantSpeed):
+        return {"body": body} | _without_none(vars(law))
+    assert isinstance(law, MotionLaw)
+    return {"body": body, "law": [*zip(law.times, law.positions, strict=True)], "periodic": law.periodic}
 
 
 def _pull(spring: Spring | TorsionSpring) -> dict[str, Any]:

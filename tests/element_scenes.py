@@ -81,7 +81,7 @@ def _table(draw: st.DrawFn, scene: Scene, values: str, *, slides: bool) -> LoadC
     """A table over the drive, the time, or of a slider its displacement, periodic or not."""
     kinds: tuple[Over, ...] = ("drive", "time", "displacement") if slides else ("drive", "time")
     over, periodic = draw(st.sampled_from(kinds)), draw(st.booleans())
-    low, high = scene.drive.extent if over == "drive" else (0.0, scene.drive.cycle)
+    low, high = scene.drive.law.extent if over == "drive" else (0.0, scene.cycle)
     arguments = DISPLACEMENTS if over == "displacement" else tuple(float(low + x * (high - low)) for x in ENTRIES)
     sizes = [draw(numbers(-20, 20)) for _ in arguments]
     if periodic:

@@ -31,7 +31,7 @@ class Writer:
 
     def columns(self, scene: Scene, times: Samples, channels: list[str]) -> dict[str, Samples]:
         """Return what it writes, by channel: the motion at instants, s, which is in its units and frame."""
-        solved = analytic.solve(scene, scene.drive.at(times).position, times)
+        solved = analytic.solve(scene, scene.drive.law.at(times).position, times)
         found = {channel: self._written(scene, solved.samples, channel) for channel in channels}
         return {"time": times} | found
 
@@ -43,7 +43,7 @@ class Writer:
         if kind[-1] in "xy":
             return self._component(motion, stem, kind[:-1], kind) / self.length
         if kind in ("angle", "crank_angle"):
-            turn = 0.0 if kind == "crank_angle" and scene.drive_on != GROUND else self.turn  # of two bodies, which turn
+            turn = 0.0 if kind == "crank_angle" and scene.drive.on != GROUND else self.turn  # of two bodies, which turn
             return np.asarray(way * (motion[channel] - turn) / self.angle)
         if kind in ("omega", "alpha"):
             return way * motion[channel] / self.angle
@@ -68,7 +68,7 @@ class Writer:
 def instants(scene: Scene, count: int = 90, cycles: float = 0.9, seed: int = 1) -> Samples:
     """Return instants in no equal steps, s, over a part of a cycle."""
     steps = np.random.default_rng(seed).uniform(0.3, 1.7, count)
-    return np.asarray(np.cumsum(steps) / steps.sum() * cycles * scene.drive.cycle)
+    return np.asarray(np.cumsum(steps) / steps.sum() * cycles * scene.cycle)
 
 
 def channels(scene: Scene) -> list[str]:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from scenes import Scene
 from scenes.bodies import GROUND, Body, Slide
-from scenes.drive import ConstantSpeed, Drive, MotionLaw, Samples
+from scenes.drive import ConstantSpeed, Drive, DriveLaw, MotionLaw, Samples
 from scenes.elements.tables import LoadCurve
 from scenes.laws import LAWS, HarmonicLaw, SegmentedLaw
 from scenes.scene import Force, GuideForce, Load, PressForce, Sketch, Spring
@@ -51,13 +51,13 @@ def scene_of(draw: st.DrawFn, drawing: Drawing) -> tuple[Scene, Samples]:
     positions = _positions(drawing, x_axes, order, origins, slides.get(drawing.driver))
     ground = MappingProxyType({point: xy(at[point]) for point in drawing.ground})
     bounded = drawing.driver in slides or drawing.driven_on != GROUND
-    drive = replace(_drive(draw, positions, slides=bounded), body=drawing.driver)
+    drive = Drive(drawing.driver, _law(draw, positions, slides=bounded), drawing.driven_on)
     springs = tuple(_springs(draw, drawing))
     gravity = draw(vectors(10).map(xy) | st.none())
     rough = {point: (round(z.real, 2), round(z.imag, 2)) for point, z in at.items() if point not in ground}
     sketch = Sketch(float(positions[0]), MappingProxyType(rough))
-    has = ground, MappingProxyType(bodies), drive, (), springs, gravity, sketch
-    scene = Scene("drawn", "drawn", "", "drawn.toml", *has, "A", MappingProxyType({}), drive_on=drawing.driven_on)
+    has = ground, MappingProxyType(bodies), (drive,), (), springs, gravity, sketch
+    scene = Scene("drawn", "drawn", "", "drawn.toml", *has, "A", MappingProxyType({}))
     return replace(scene, loads=tuple(draw(loads_on(scene)) for _ in range(draw(st.integers(0, 3))))), positions
 
 
@@ -131,20 +131,20 @@ def _positions(
     return displaced
 
 
-def _drive(draw: st.DrawFn, positions: Samples, *, slides: bool) -> Drive:
+def _law(draw: st.DrawFn, positions: Samples, *, slides: bool) -> DriveLaw:
     """A constant speed or a law; a slider keeps within the positions."""
     least, most = float(positions.min()), float(positions.max())
     if draw(st.booleans()):
         speed = draw(signs) * draw(numbers(0.5, 20))
         if not slides and draw(st.booleans()):
-            return ConstantSpeed("driver", speed, draw(numbers(-3, 3)), None)
-        return ConstantSpeed("driver", speed, *((least, most) if speed > 0 else (most, least)))
+            return ConstantSpeed(speed, draw(numbers(-3, 3)), None)
+        return ConstantSpeed(speed, *((least, most) if speed > 0 else (most, least)))
     times = np.cumsum([0.0, *(draw(numbers(0.1, 1)) for _ in range(4))])
     periodic = draw(st.booleans())
     gain = 0.0 if slides else draw(st.sampled_from((0, 1, -1))) * 2 * pi
     rough = [0.0, draw(numbers(0.3, 1)), *(draw(numbers(-1, 1)) for _ in range(2))]
     last = gain if periodic else draw(numbers(-1, 1))
-    law = MotionLaw("driver", tuple(times.tolist()), (*rough, last), periodic)
+    law = MotionLaw(tuple(times.tolist()), (*rough, last), periodic)
     if not law.beyond <= 1:  # a file with such a law is refused: a spline overshoots most where intervals differ most
         law = replace(law, times=tuple(np.linspace(0.0, times[-1], len(times)).tolist()))
     if not slides:
@@ -158,22 +158,21 @@ def _drive(draw: st.DrawFn, positions: Samples, *, slides: bool) -> Drive:
 def by_formula(draw: st.DrawFn) -> Scene:
     """A linkage whose drive goes through the same range by segments, for ever or once, or by two sines."""
     scene = draw(linkages())
-    low, high = scene.drive.extent
+    low, high = scene.drive.law.extent
     if draw(st.booleans()):
         size, frequency, share = (high - low) / 2, draw(st.integers(2, 20)) / 4, draw(numbers(0, 1))
         phases, frequencies = (draw(numbers(-3, 3)), draw(numbers(-3, 3))), (2 * frequency, 3 * frequency)
-        drive: Drive = HarmonicLaw("driver", low + size, (share * size, (1 - share) * size), frequencies, phases)
-        return replace(scene, drive=drive)
+        return scene.with_law(HarmonicLaw(low + size, (share * size, (1 - share) * size), frequencies, phases))
     places = [low, *(low + draw(numbers(0, 1)) * (high - low) for _ in range(3)), high]
     periodic = draw(st.booleans())
-    turns = scene.driven_slide is None and scene.drive.periodic
+    turns = scene.drive.slide is None and scene.periodic
     parts: list[tuple[float | None, float, str | None]] = [
         (to, draw(numbers(0.1, 1)), draw(st.sampled_from([*LAWS])))
         for to in (*places[1:], *((low + draw(st.sampled_from((0, 2 * pi))) * turns,) if periodic else ()))
     ]
     parts.insert(draw(st.integers(0, len(parts))), (None, draw(numbers(0.1, 1)), None))
     ends, durations, laws = zip(*parts, strict=True)
-    return replace(scene, drive=SegmentedLaw("driver", low, ends, durations, laws, periodic))
+    return scene.with_law(SegmentedLaw(low, ends, durations, laws, periodic))
 
 
 def loads_on(scene: Scene) -> st.SearchStrategy[Load]:

@@ -120,7 +120,7 @@ def record(truth: Truth, run: Run, sampling: Sampling, accuracy: str = "balanced
 def core_error(scene: Scene) -> float:
     """Return how far the core is off absolute coordinates, by the scales of `agreement`."""
     time = Sampling(INSTANTS).times(scene)
-    motion = analytic.solve(scene, scene.drive.at(time).position, time)
+    motion = analytic.solve(scene, scene.drive.law.at(time).position, time)
     lightest = min((body.mass for body in scene.bodies.values() if body.mass), default=0.0)
     expected = by_absolute(scene, time)
     return max(float(error.max()) for error in agreement.errors(motion, expected, mass=lightest).values())
@@ -128,9 +128,9 @@ def core_error(scene: Scene) -> float:
 
 def features(scene: Scene) -> Iterator[str]:
     """Yield what a scene has that makes it harder than a crank at a constant speed."""
-    yield "crank" if scene.driven_slide is None else "slider"
-    if isinstance(scene.drive, MotionLaw):
-        yield "periodic-law" if scene.drive.periodic else "law-once"
+    yield "crank" if scene.drive.slide is None else "slider"
+    if isinstance(scene.drive.law, MotionLaw):
+        yield "periodic-law" if scene.periodic else "law-once"
     for kind, name in (("press forces", "press"), ("force tables", "table")):
         if any(load.kind == kind for load in scene.loads):
             yield name

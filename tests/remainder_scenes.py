@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from scenes import Scene
-from scenes.drive import ConstantSpeed
+from scenes.drive import ConstantSpeed, DriveLaw
 from scenes.laws import HarmonicLaw, SegmentedLaw
 
 Tables: TypeAlias = dict[str, Any]
@@ -45,18 +45,18 @@ def _plain(value: Any) -> Any:
 
 def with_a_small_stroke(scene: Scene, chance: Chance) -> Scene:
     """A drawn scene whose drive goes through a small part of its range only, by any law."""
-    low, high = scene.drive.extent
+    low, high = scene.drive.law.extent
     middle, size = float((low + high) / 2), float((high - low) / 2 * 10 ** chance.uniform(-7, -3))
-    frequency, body = float(chance.uniform(0.5, 20)), scene.drive.body
+    frequency = float(chance.uniform(0.5, 20))
     match chance.integers(3):
         case 0:
-            drive: Any = HarmonicLaw(body, middle, (size,), (frequency,), (0.0,))
+            law: DriveLaw = HarmonicLaw(middle, (size,), (frequency,), (0.0,))
         case 1:
             ends, durations = (middle + size, None, middle), (1 / frequency, 0.5 / frequency, 2 / frequency)
-            drive = SegmentedLaw(body, middle, ends, durations, ("cycloidal", None, "polynomial_345"), periodic=True)
+            law = SegmentedLaw(middle, ends, durations, ("cycloidal", None, "polynomial_345"), periodic=True)
         case _:
-            drive = ConstantSpeed(body, size * frequency, middle, middle + size)
-    return with_a_rough_sketch(replace(scene, drive=drive, loads=()), chance)
+            law = ConstantSpeed(size * frequency, middle, middle + size)
+    return with_a_rough_sketch(replace(scene.with_law(law), loads=()), chance)
 
 
 def with_a_rough_sketch(scene: Scene, chance: Chance) -> Scene:

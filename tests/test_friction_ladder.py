@@ -80,7 +80,7 @@ def outcome(held: Held, scene: Scene) -> Motion | Failure:
 def own(scene: Scene, rows: slice = slice(None)) -> dict[str, Any]:
     """Its motion at some samples from equations written in the tests."""
     times = SAMPLING.times(scene)[rows]
-    return solve(scene, *scene.drive.at(times), times)
+    return solve(scene, *scene.drive.law.at(times), times)
 
 
 @cache

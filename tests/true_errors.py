@@ -44,12 +44,12 @@ Rows = NDArray[np.bool_]
 
 def by_core(scene: Scene, time: Samples) -> Channels:
     """Return the motion by the analytic core, for many samples; `by_absolute` holds it."""
-    return analytic.solve(scene, scene.drive.at(time).position, time).samples
+    return analytic.solve(scene, scene.drive.law.at(time).position, time).samples
 
 
 def by_absolute(scene: Scene, time: Samples) -> Channels:
     """Return the motion in absolute coordinates: nothing of the core's, a few milliseconds a sample."""
-    return absolute_coordinates.solve(scene, *scene.drive.at(time), time)
+    return absolute_coordinates.solve(scene, *scene.drive.law.at(time), time)
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Rubbed:
 
     @classmethod
     def of(cls, scene: Scene, time: Samples) -> "Rubbed":
-        drive, model, rows, fates, slow = scene.drive.at(time), absolute_coordinates.Absolute(scene), [], [], []
+        drive, model, rows, fates, slow = scene.drive.law.at(time), absolute_coordinates.Absolute(scene), [], [], []
         none = {name: np.nan for name in channels(scene) if name != "time"}
         for now in absolute_coordinates.instants(model, *drive, time):
             slow.append(unsure(model, now))
@@ -72,7 +72,7 @@ class Rubbed:
             except JammedError:
                 rows.append(none)
                 fates.append("jammed")
-        rests = np.array(slow) | (np.abs(drive.rate) <= SLOW * scene.drive.peak_rate)
+        rests = np.array(slow) | (np.abs(drive.rate) <= SLOW * scene.drive.law.peak_rate)
         return cls({name: np.array([row[name] for row in rows]) for name in none}, fates, rests & bool(scene.friction))
 
 
@@ -114,7 +114,7 @@ class Truth:
         for _ in range(DRAWS):
             off = 1 + LAST_PLACES * chance.choice((-1.0, 1.0), len(numbers))
             other = put(self.scene, dict(zip(numbers, off * [*numbers.values()], strict=True)))
-            position = self.scene.drive.at(time).position * off[0]
+            position = self.scene.drive.law.at(time).position * off[0]
             moved = analytic.solve(other, position, time * off[-1]).samples
             for name, error in self._errors(moved, self.by_fifty(sampling)):
                 found[name] = np.maximum(found.get(name, 0.0), error)
@@ -202,9 +202,9 @@ class Truth:
     @cached_property
     def _drive(self) -> tuple[float, float]:
         """Return the drive's travel, m or rad, and its rate, travels a second."""
-        least, most = self.scene.drive.extent
-        travel = 1.0 if self.scene.driven_slide is None else most - least
-        return travel, self.scene.drive.peak_rate / travel
+        least, most = self.scene.drive.law.extent
+        travel = 1.0 if self.scene.drive.slide is None else most - least
+        return travel, self.scene.drive.law.peak_rate / travel
 
     @cached_property
     def _peaks(self) -> dict[str, float]:
@@ -220,7 +220,7 @@ class Truth:
         yield from ((pin.channel, _vector(motion, f"{pin.channel}.f")) for pin in self.scene.pins)
         for name in (name for name, body in self.scene.bodies.items() if body.slide is not None):
             yield from ((of, motion[of] + 0j) for of in (f"{name}.guide_force", f"{name}.guide_moment"))
-        effort = "drive.torque" if self.scene.driven_slide is None else "drive.force"
+        effort = "drive.torque" if self.scene.drive.slide is None else "drive.force"
         yield from ((of, motion[of] + 0j) for of in (effort, *friction_channels(self.scene)))
 
     def _errors(self, motion: Channels, true: Channels) -> Iterator[tuple[str, Samples]]:

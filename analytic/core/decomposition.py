@@ -97,8 +97,8 @@ def decompose(scene: Scene) -> Linkage:
     placed = _Placed(scene, bodies)
     driven = scene.drive.body
     driver = None
-    if scene.drive_on == GROUND:
-        driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.driven_slide is None))
+    if scene.drive.on == GROUND:
+        driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.drive.slide is None))
         placed.add(driven)
     groups: list[Dyad | Group] = []
     while left := [name for name in scene.bodies if name not in placed.carries]:
@@ -116,8 +116,8 @@ def route(scene: Scene) -> str:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     kinds = [*map(kind, decompose(scene).groups)]  # first: it refuses what is no scene
-    drivers = ("crank", "driven slider") if scene.drive_on == GROUND else ("driven elbow", "driven cylinder")
-    groups = ", ".join([drivers[scene.driven_slide is not None], *kinds])
+    drivers = ("crank", "driven slider") if scene.drive.on == GROUND else ("driven elbow", "driven cylinder")
+    groups = ", ".join([drivers[scene.drive.slide is not None], *kinds])
     return f"closed form: {groups}" if in_closed_form(scene) else groups
 
 
@@ -190,7 +190,7 @@ class _Placed:
 def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     """Yield the dyads among the bodies left that hang on what is placed by one outer joint each."""
     scene = placed.scene
-    driven = scene.drive_on, scene.drive.body
+    driven = scene.drive.on, scene.drive.body
     legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1 and name not in driven}
     for via, body in (driven, driven[::-1]) if {*driven} <= {*left} else ():
         match placed.outer(via), placed.outer(body):
@@ -284,5 +284,5 @@ def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
     slides = tuple(pair for name, slide in placed.scene.slides.items() if joined(pair := (name, slide.on)))
     inner = next((pin.point for pin in pins if pin.on is not None), None)
     name = inner or placed.named(bodies[0], bodies[-1])
-    drive = placed.scene.drive.body, placed.scene.drive_on
+    drive = placed.scene.drive.body, placed.scene.drive.on
     return Group(bodies, tuple(pins), slides, name, drive if GROUND not in drive and joined(drive) else None)

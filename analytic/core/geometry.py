@@ -68,7 +68,7 @@ def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> Number:
     for slide in scene.slides.values():
         t, through = as_complex(slide.along), as_complex(slide.through)
         arms += [abs(cross(t, point - through)) for point in points[slide.on]]
-    start, end = scene.drive.extent
+    start, end = scene.drive.law.extent
     arm = largest(*arms) if arms else 0.0
     return chosen(arm > 0, arm, end - start)
 
@@ -107,7 +107,7 @@ def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) 
     aligned = scene.aligned[body]
     if GROUND in aligned:
         return 1 + 0j
-    if scene.drive_on == GROUND and scene.drive.body in aligned:
+    if scene.drive.on == GROUND and scene.drive.body in aligned:
         return cmath.exp(1j * scene.sketch.drive)
     at = scene.drawn
     names = (body, *sorted(aligned))
@@ -124,7 +124,7 @@ def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) 
             return _unit((at[b] - at[a]) * _way(scene, bodies, (on, a), (name, b), abs(at[b] - at[a])).conjugate())
     turned = cmath.exp(1j * scene.sketch.drive)
     if scene.drive.body in aligned:
-        return sketched_attitude(scene, scene.drive_on, bodies) * turned
+        return sketched_attitude(scene, scene.drive.on, bodies) * turned
     return sketched_attitude(scene, scene.drive.body, bodies) * turned.conjugate()
 
 

@@ -115,13 +115,13 @@ class Balance(Loading):
         force, moment = self.far[leg.body]
         force = force + at_pin
         body, sign = scene.drive.body, 1 if leg.body == scene.drive.body else -1
-        if (slide := scene.driven_slide) is not None:
+        if (slide := scene.drive.slide) is not None:
             t = k.u[slide.on] * as_complex(slide.along)
             about_first = moment + cross(k.z[P] - k.z[scene.bodies[body].points[0]], force)
             self.reactions.guide[body] = -sign * cross(t, force), -sign * about_first
             self.reactions.effort = -sign * dot(t, force)
             return
-        pin = next(point for point in scene.bodies[body].points if point in scene.bodies[scene.drive_on].points)
+        pin = next(point for point in scene.bodies[body].points if point in scene.bodies[scene.drive.on].points)
         for name, on_body in ((leg.body, -force), (leg.via or "", force)):
             self.hold(name, pin, on_body)
         self.reactions.effort = -sign * (moment + cross(k.z[P] - k.z[pin], force))
@@ -161,7 +161,7 @@ class Balance(Loading):
         along_x, along_y, guide_force, guide_moment = ([*islice(rest, count)] for count in (p, p, s, s))
         if group.drive is not None:
             effort = self.reactions.effort = next(rest)
-            for body, sign in zip(group.drive, (1, -1), strict=True) if self.scene.driven_slide is None else ():
+            for body, sign in zip(group.drive, (1, -1), strict=True) if self.scene.drive.slide is None else ():
                 at = self.k.z[self.scene.bodies[body].points[0]]
                 self.pass_on(group, body, ActingForce(samples(0j), at, sign * effort))
         for pin, x, y in zip(group.pins, along_x, along_y, strict=True):

@@ -116,7 +116,7 @@ def _known(place: End, others: Sequence[End], turn: float) -> bool:
 
 def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...], tuple[int, Sequence[End]]]:
     """By branches of dyads, the number of the circuit that a position is on, and where it meets others."""
-    turn, parts = tau if scene.driven_slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, ...]]]()
+    turn, parts = tau if scene.drive.slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, ...]]]()
     for branches in product((1, -1), repeat=len(whole.groups)):
         groups: Any = (replace(group, branch=b) for group, b in zip(whole.groups, branches, strict=True))  # type: ignore[arg-type]
         way = replace(whole, groups=tuple(groups))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from scenes import Scene
 from scenes.arguments import known_names
-from scenes.drive import ConstantSpeed, Drive, Driven
+from scenes.drive import ConstantSpeed, DriveLaw, Driven
 from scenes.laws import Piece
 from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
 
@@ -53,7 +53,7 @@ class Boxes:
             names: which channels and magnitudes; None for all.
             off: by how much numbers of the scene may be off, SI, by path in the file.
         """
-        self.scene, self.like, drive = scene, 3 + len(off), scene.drive
+        self.scene, self.like, law = scene, 3 + len(off), scene.drive.law
         self.edges = cycle_edges(scene, 0, 1)
         self.way = float(np.ptp(self.edges))  # of a cycle
         whole = decompose(scene)
@@ -89,7 +89,7 @@ class Boxes:
         self.branches: Branches | None = None
         if self.poses:
             over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
-            self.branches = branches(over, self.divided(FIRST), self.most, periodic=drive.periodic)
+            self.branches = branches(over, self.divided(FIRST), self.most, periodic=law.periodic)
         for place, (displacement, _) in self.program.strokes.items():
             self.numbers[place] = self._stroke_end(displacement, scene.presses[place].closing)
         self._line = self._line_of([*(rows[name] for name in self.names), *self.program.conditions.values()])
@@ -164,20 +164,20 @@ class Boxes:
         middle = (low + high) / 2
         way = point(middle, self.like)
         way.c[1] = np.maximum(high - middle, middle - low)
-        drive = self.scene.drive
-        if isinstance(drive, ConstantSpeed):
+        law = self.scene.drive.law
+        if isinstance(law, ConstantSpeed):
             given = {"position": way, "time": (way - self.numbers["drive.start"]) / self.numbers["drive.speed"]}
             at = Driven(middle, np.ones(()), np.zeros(()))
         else:
-            given = {**driven(drive, way, middle)._asdict(), "time": way}
-            at = drive.at(middle)
+            given = {**driven(law, way, middle)._asdict(), "time": way}
+            at = law.at(middle)
         wound = {name: point(winding(at.position), self.like) for name, winding in self.windings.items()}
         return {**given, **self._guesses(at, low, high), **wound}
 
     def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
         """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""
-        drive, constant = self.scene.drive, isinstance(self.scene.drive, ConstantSpeed)
-        ends = (end if constant else drive.at(end).position for end in (low, high))
+        law, constant = self.scene.drive.law, isinstance(self.scene.drive.law, ConstantSpeed)
+        ends = (end if constant else law.at(end).position for end in (low, high))
         places = np.concatenate([at.position, *ends])
         several, found = inputs_at(at._replace(position=places), [self.core.linkage.tracks]), dict[str, TaylorModel]()
         for name in several.keys() - {*Driven._fields}:
@@ -216,18 +216,18 @@ def cycle_edges(scene: Scene, first: int, last: int) -> Samples:
     They are positions of the drive, rad or m, or instants, s, between which all is smooth but for what depends on
     bodies.
     """
-    drive, cycles = scene.drive, np.arange(first, last + 1)
-    if isinstance(drive, ConstantSpeed):
-        return np.sort(drive.after(cycles))
-    begins = np.add.outer(drive.cycle * cycles[:-1], [piece.begin for piece in drive.pieces])
-    return np.append(begins, drive.cycle * last)
+    law, cycles = scene.drive.law, np.arange(first, last + 1)
+    if isinstance(law, ConstantSpeed):
+        return np.sort(law.after(cycles))
+    begins = np.add.outer(law.cycle * cycles[:-1], [piece.begin for piece in law.pieces])
+    return np.append(begins, law.cycle * last)
 
 
-def driven(drive: Drive, way: TaylorModel, middle: Samples) -> Any:
+def driven(law: DriveLaw, way: TaylorModel, middle: Samples) -> Any:
     """The position, rate and acceleration that a law asks for over boxes of instants, each within one of its pieces."""
-    pieces: Sequence[Piece] = drive.pieces  # type: ignore[union-attr]
-    cycles = np.floor(middle / drive.cycle) if drive.periodic else np.zeros(len(middle))
-    before = drive.cycle * cycles
+    pieces: Sequence[Piece] = law.pieces  # type: ignore[union-attr]
+    cycles = np.floor(middle / law.cycle) if law.periodic else np.zeros(len(middle))
+    before = law.cycle * cycles
     own = np.searchsorted([piece.begin for piece in pieces], middle - before, side="right") - 1
 
     def each(values: Sequence[float], off: float = LAW) -> Any:
@@ -242,6 +242,6 @@ def driven(drive: Drive, way: TaylorModel, middle: Samples) -> Any:
     at: Any = Piece(begin, polynomial, sines, each([piece.lag for piece in pieces], 0.0)).at(way)  # type: ignore[arg-type]
     if not cycles.any():
         return at
-    first, last = drive.after([0, 1])
+    first, last = law.after([0, 1])
     gained = point(cycles * (last - first), len(way.c), LAW * np.abs(cycles) * (abs(first) + abs(last)))
     return at._replace(position=at.position + gained)

@@ -46,11 +46,11 @@ def over_cycles(boxes: Boxes, turns: int, extremes: Callable[[Boxes], Enclosures
 
 def _lasting(boxes: Boxes) -> bool:
     """Whether a load or a spring goes on from one cycle to the next."""
-    scene, drive = boxes.scene, boxes.scene.drive
-    if not (drive.periodic and boxes.core.request.wants_forces(scene)):
+    scene, law = boxes.scene, boxes.scene.drive.law
+    if not (law.periodic and boxes.core.request.wants_forces(scene)):
         return False
-    turn = abs(float(drive.after(1) - drive.after(0))) if scene.driven_slide is None else 0.0
-    cycle = {"time": drive.cycle, "drive": turn if turn > tau / 2 else 0.0, "displacement": 0.0}  # none: it comes back
+    turn = abs(float(law.after(1) - law.after(0))) if scene.drive.slide is None else 0.0
+    cycle = {"time": law.cycle, "drive": turn if turn > tau / 2 else 0.0, "displacement": 0.0}  # none: it comes back
     for table in (load.table for load in scene.loads if load.table is not None and cycle[load.table.over]):
         periods = cycle[table.over] / (table.arguments[-1] - table.arguments[0])
         if not table.periodic or not abs(periods - round(periods)) <= SAME_PERIOD * round(periods):
@@ -61,7 +61,7 @@ def _lasting(boxes: Boxes) -> bool:
 
 def _gain(boxes: Boxes, winding: Winding) -> float:
     """What an angle gains in a cycle, in whole turns."""
-    first, last = (float(winding(boxes.scene.drive.after(cycle))) for cycle in (0, 1))
+    first, last = (float(winding(boxes.scene.drive.law.after(cycle))) for cycle in (0, 1))
     return tau * round((last - first) / tau)
 
 
@@ -71,8 +71,8 @@ def _gained(boxes: Boxes, row: Enclosure, cycles: int) -> Enclosure:
     gain = cycles * _gain(boxes, winding) if winding and cycles else 0.0
     if not (gain > 0 if row.extreme == "most" else gain < 0):
         return row
-    drive, off = boxes.scene.drive, ROUNDED * (abs(gain) + abs(row.low) + abs(row.high))
-    later = float(drive.after(cycles) - drive.after(0)) if isinstance(drive, ConstantSpeed) else cycles * drive.cycle
+    law, off = boxes.scene.drive.law, ROUNDED * (abs(gain) + abs(row.low) + abs(row.high))
+    later = float(law.after(cycles) - law.after(0)) if isinstance(law, ConstantSpeed) else cycles * law.cycle
     low, high, *places = (value + by for value, by in zip(row[2:], (gain - off, gain + off, later, later), strict=True))
     return Enclosure(*row[:2], low, high, *places)
 

@@ -67,15 +67,10 @@ def enclose(
     off = {path: float(finite_numbers(f"off: {path}", one_number(path, by))) for path, by in (off or {}).items()}
     if not finite_numbers("accuracy", one_number("accuracy", accuracy)) > 0:
         refuse("accuracy", "a number above zero", accuracy)
-    if (
-        isinstance(turns, bool)
-        or not isinstance(turns, Integral)
-        or turns < 1
-        or (turns > 1 and not scene.drive.periodic)
-    ):
-        refuse("turns", "a whole number from 1" if scene.drive.periodic else "1 of a drive that runs once", turns)
+    if isinstance(turns, bool) or not isinstance(turns, Integral) or turns < 1 or (turns > 1 and not scene.periodic):
+        refuse("turns", "a whole number from 1" if scene.periodic else "1 of a drive that runs once", turns)
     boxes = Boxes(scene, names, off)
-    boxes.core.check_hull(np.array(scene.drive.extent))
+    boxes.core.check_hull(np.array(scene.drive.law.extent))
     return over_cycles(boxes, turns, lambda some: _extremes(some, accuracy))
 
 
@@ -97,10 +92,10 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     edges = finite_numbers("edges", edges)
     if edges.ndim != 1 or not (np.diff(edges) > 0).all() or not edges[1:].size:
         refuse("edges", "two places or more, increasing", edges)
-    boxes, drive = Boxes(scene_of(scene), names, {}), scene.drive
-    if drive.periodic and not isinstance(drive, ConstantSpeed):
-        boxes = boxes.over(int(edges[0] // drive.cycle), int(edges[-1] // drive.cycle) + 1)
-    at = edges if isinstance(drive, ConstantSpeed) else drive.at(np.union1d(edges, boxes.edges)).position
+    boxes, law = Boxes(scene_of(scene), names, {}), scene.drive.law
+    if law.periodic and not isinstance(law, ConstantSpeed):
+        boxes = boxes.over(int(edges[0] // law.cycle), int(edges[-1] // law.cycle) + 1)
+    at = edges if isinstance(law, ConstantSpeed) else law.at(np.union1d(edges, boxes.edges)).position
     boxes.core.check_hull(at)
     ends = np.union1d(edges, boxes.edges[(boxes.edges > edges[0]) & (boxes.edges < edges[-1])])
     models, own = boxes(ends[:-1], ends[1:])

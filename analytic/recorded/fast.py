@@ -92,16 +92,16 @@ class FastSolver(Solver):
 
     def _at_once(self, position: Samples) -> Motion | None:
         """The same, shape (n,); None where it has to be looked at closer, or there is no machine code for it."""
-        code, drive = self._code, self.scene.drive
+        code, law = self._code, self.scene.drive.law
         plain = position.dtype == np.float64 and position.ndim == 1
-        if code is None or not plain or not np.isfinite(position).all() or not isinstance(drive, ConstantSpeed):
+        if code is None or not plain or not np.isfinite(position).all() or not isinstance(law, ConstantSpeed):
             return None
         if self._way is not None and not (self._way[0] <= position.min() and position.max() <= self._way[1]):
             return None
         rows = np.empty((len(code) + 2, 1, len(position)))
         reach, instants, positions = rows[-3:, 0]
         positions[:] = position
-        np.divide(positions - drive.start, drive.speed, out=instants)
+        np.divide(positions - law.start, law.speed, out=instants)
         code.of_known({"position": positions, "time": instants}, rows[:-2])
         return Motion(Rows(self._places, rows[:, 0])) if reach.min() >= 0 else None
 
@@ -116,7 +116,7 @@ class FastSolver(Solver):
     @cached_property
     def _way(self) -> tuple[float, float] | None:
         """From where to where, m, a driven slider is known to have no place where assemblies meet; none of a crank."""
-        return None if self.scene.driven_slide is None else (self.meetings.first, self.meetings.last)
+        return None if self.scene.drive.slide is None else (self.meetings.first, self.meetings.last)
 
     @cached_property
     def _places(self) -> Mapping[str, int]:

@@ -256,7 +256,7 @@ def _stroke_ends(many: Scene, program: Program, tracks: Sequence[Mapping[Group, 
 
     ends: dict[str, Samples] = {}
     for place, moved in program.strokes.items():
-        each = [np.broadcast_to(one, (len(tracks), 1)) for one in (many.presses[place].closing, *many.drive.extent)]
+        each = [np.broadcast_to(one, (len(tracks), 1)) for one in (many.presses[place].closing, *many.drive.law.extent)]
         move = partial(displaced, StraightLine(moved))
         of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
         ends[place] = np.concatenate(of_parts)[:, np.newaxis]

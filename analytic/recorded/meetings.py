@@ -48,7 +48,7 @@ def near_meeting(
     if program.reaches is None:
         return []
     line, (first, last) = program.reaches, way_of(scene)
-    if scene.driven_slide is None:  # a turn to either side of the sketch is the same turn
+    if scene.drive.slide is None:  # a turn to either side of the sketch is the same turn
         first = (first + last) / 2
     known = {path: number.value for path, number in scene.numbers.items()}  # the line may be of numbers all alike too
     step, near = (last - first) / COARSE, list[int]()

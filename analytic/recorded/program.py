@@ -93,8 +93,8 @@ def recorded(
     request, linkage = asked(scene, every, channels)
     channels = request.channels
     driven: Any = Driven(*(Traced(make, make.input(name, sampled=True)) for name in Driven._fields))  # type: ignore[arg-type]
-    if isinstance(opened.drive, ConstantSpeed):
-        driven = driven._replace(rate=traced(make, opened.drive.speed), acceleration=traced(make, 0.0))
+    if isinstance(opened.drive.law, ConstantSpeed):
+        driven = driven._replace(rate=traced(make, opened.drive.law.speed), acceleration=traced(make, 0.0))
     way = RecordedPass(make, opened, linkage, driven, rrr=bounded_rrr_position if proven else rrr_position)
     k = way.solve().k
     on, loads = Reactions(), dict[str, Traced]()
@@ -210,7 +210,7 @@ class RecordedPass(Pass):
             turns.append((u[on].conjugate() * u[slider]).imag)  # the angle between them, which is zero
             if group.drive == (slider, on):
                 driven = [D.real - self.driven.position]
-        if group.drive is not None and self.scene.driven_slide is None:
+        if group.drive is not None and self.scene.drive.slide is None:
             body, on = group.drive
             driven = [((u[on] * np.exp(1j * self.driven.position)).conjugate() * u[body]).imag]
         others = (traced(self.make, x).x for x in (*offsets, *turns, *driven))

@@ -23,7 +23,7 @@ def check_way(solver: Solver) -> None:
     if not isinstance(solver, Solver):
         refuse("solver", "what analytic.solver(...) returns", solver)
     scene, linkage = solver.scene, solver.linkage
-    way = np.linspace(*scene.drive.extent, SAMPLES + 1)
+    way = np.linspace(*scene.drive.law.extent, SAMPLES + 1)
     k, after = motion_at(scene, linkage, way), _steps_to(scene, way)
     short = short_of(scene, linkage, k, way)
     end = min((int(after[rows].min()) for rows in short.values() if rows.any()), default=SAMPLES + 1)
@@ -37,7 +37,7 @@ def check_way(solver: Solver) -> None:
             last = min(last, step + 1)  # one that is found from a later row may be reached before
     if found:
         steps = _steps_to(scene, np.array([where for where, _ in found]))
-        order = [(step, abs(where - scene.drive.start)) for step, (where, _) in zip(steps, found, strict=True)]
+        order = [(step, abs(where - scene.drive.law.start)) for step, (where, _) in zip(steps, found, strict=True)]
         where, (singular, *_) = found[order.index(min(order))]
         raise singular_at(scene, linkage, where, singular)
     if end <= SAMPLES:
@@ -49,7 +49,7 @@ def check_way(solver: Solver) -> None:
 
 def _steps_to(scene: Scene, way: Samples) -> Samples:
     """After how many of `SAMPLES` steps of a cycle the drive has reached each position of its way, shape (n,)."""
-    position = scene.drive.at(np.linspace(0, scene.drive.cycle, SAMPLES + 1)).position
+    position = scene.drive.law.at(np.linspace(0, scene.cycle, SAMPLES + 1)).position
     up, down = np.maximum.accumulate(position), -np.minimum.accumulate(position)
     steps = np.where(way >= position[0], np.searchsorted(up, way), np.searchsorted(down, -way))
     return np.minimum(steps, SAMPLES)

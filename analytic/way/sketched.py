@@ -32,7 +32,7 @@ def sketch_fit(scene: Scene) -> SketchFit | None:
         None where no position is found at which the linkage assembles.
     """
     start = scene_of(scene).sketch.drive
-    least, most = (start - pi, start + pi) if scene.driven_slide is None else scene.drive.extent
+    least, most = (start - pi, start + pi) if scene.drive.slide is None else scene.drive.law.extent
     way = np.linspace(min(least, start), max(most, start), SAMPLES + 1)
     if (linkage := _closed(scene, way[:: SAMPLES // PARTS])) is None:
         return None

@@ -32,14 +32,14 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     Returns:
         None where it has no pose at all.
     """
-    start, (position, joint) = scene_of(scene).drive.start, at or (scene.drive.start, "")
+    start, (position, joint) = scene_of(scene).drive.law.start, at or (scene.drive.law.start, "")
     try:
         linkage = followed(scene, decompose(scene))
         intervals = motion_range(scene, linkage)
     except Failure:
         return None
     ways = [(first, last) for (first, _), (last, _) in intervals]
-    turn = 2 * pi if scene.driven_slide is None else inf
+    turn = 2 * pi if scene.drive.slide is None else inf
     free = free_range(scene, linkage) if at and not intervals else None
     if intervals:
         ends = [*intervals, *(interval[::-1] for interval in intervals)]
@@ -50,7 +50,7 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
         (end,), ways = near[:1], [free]
         begin = free[free[0] == end]
     else:
-        end, begin = start, max(scene.drive.extent, key=lambda other: abs(other - start))
+        end, begin = start, max(scene.drive.law.extent, key=lambda other: abs(other - start))
     way = end + (begin - end) * np.union1d(BESIDE, np.linspace(0, 1, POSES))
     posed = motion_at(scene, linkage, way).z
     way = way[np.all([np.broadcast_to(np.isfinite(posed[point]), way.shape) for point in scene.moving_points], axis=0)]

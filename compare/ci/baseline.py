@@ -162,7 +162,8 @@ def _times(old: Summary, new: Summary) -> Iterator[Change]:
 
 def unit_of(path: Place, scene: Json) -> tuple[str, float]:
     """The unit that a number of the scene has in its file, and what that is in SI."""
-    quantity = quantity_at(Scene, path[1:])
+    of_law = path[1:2] == ("drive",)  # in whose table a summary has its numbers
+    quantity = quantity_at(Scene, ("drives", 0, "law", *path[2:]) if of_law else path[1:])
     if quantity is None:
         return "", 1.0
     slides = scene["bodies"][scene["drive"]["body"]]["slide"] is not None

@@ -125,7 +125,7 @@ def from_python(engines: object, **others: object) -> argparse.Namespace:
 
 def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | None = None) -> Sampling:
     """The sampling of a scene, for the channels that match one of the patterns, or all; bad ones raise InputError."""
-    if turns > 1 and not scene.drive.periodic:
+    if turns > 1 and not scene.periodic:
         raise InputError(f"arguments: --turns {turns}: expected 1, since {scene.name} runs once from start to end")
     request = Sampling(samples, turns, channels=None if patterns is None else matching(scene, patterns))
     width = len(request.wanted(scene))

@@ -63,7 +63,7 @@ def test_each_tier_keeps_its_promise(name: str, solved: Scene, tier: str) -> Non
 
 def test_several_cycles(name: str, solved: Scene) -> None:
     """Over two cycles, at fewer samples in each, or once where the drive does not repeat."""
-    assert not (wrong := outcome(name, solved, Sampling(24, 2 if solved.drive.periodic else 1))), wrong
+    assert not (wrong := outcome(name, solved, Sampling(24, 2 if solved.periodic else 1))), wrong
 
 
 def test_only_what_is_asked_for(name: str, solved: Scene) -> None:

@@ -31,9 +31,9 @@ def test_what_cannot_be_assembled_is_not_ok(name: str, ladder: str, label: str) 
 
 def test_positions_are_solved_or_refused(name: str, solved: Scene) -> None:
     """Samples at positions of the drive, out of step with the time, are within the promise, or unsupported."""
-    if not isinstance(solved.drive, ConstantSpeed):
+    if not isinstance(solved.drive.law, ConstantSpeed):
         pytest.skip("a motion law has no positions without instants")
-    start, way = solved.drive.start, solved.drive.advance
+    start, way = solved.drive.law.start, solved.drive.law.advance
     request = Positions(tuple(start + way * part for part in (0.1, 0.15, 0.7)))
     ended = run(name, solved, request)
     if ended.motion is None:

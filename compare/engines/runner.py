@@ -270,7 +270,7 @@ def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: 
     if not (np.diff(motion["time"]) > 0).all():
         raise Failure(Status.inconsistent, "the engine's instants do not increase from sample to sample", motion)
     late = np.abs(motion["time"] - request.times(scene)).max()
-    if not late <= ON_TIME * scene.drive.cycle:
+    if not late <= ON_TIME * scene.cycle:
         why = f"the engine's samples are off the instants asked for, by up to {late:.3g} s"
         raise Failure(Status.inconsistent, why, motion)
     _check_rows(scene, request, motion)
@@ -283,7 +283,9 @@ def _check_rows(scene: Scene, request: Rows, motion: Motion) -> None:
     if not all(channel in motion for channel in moves):  # a few may be the same on both sides of a dead point
         return
     rows = np.array([motion[channel] for channel in moves])
-    repeated = (np.diff(rows) == 0).all(axis=0) & (np.abs(np.diff(commanded)) > ON_TIME * np.ptp(scene.drive.extent))
+    repeated = (np.diff(rows) == 0).all(axis=0) & (
+        np.abs(np.diff(commanded)) > ON_TIME * np.ptp(scene.drive.law.extent)
+    )
     if repeated.any():
         where = scene.where(float(commanded[1:][repeated.argmax()]))
         raise Failure(Status.inconsistent, f"a row repeats the one before, though the drive moves, at {where}", motion)

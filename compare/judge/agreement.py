@@ -108,9 +108,8 @@ class Judgement:
     @property
     def cycles(self) -> int:
         """The cycles of the drive that the run has, or a result of another program."""
-        drive = self.scene.drive
-        ends = [m.asked.times(self.scene)[-1] for m in self.measurements if m.foreign and drive.periodic]
-        return max([self.sampling.turns, *(ceil(float(end) / drive.cycle - EQUAL) for end in ends)])
+        ends = [m.asked.times(self.scene)[-1] for m in self.measurements if m.foreign and self.scene.periodic]
+        return max([self.sampling.turns, *(ceil(float(end) / self.scene.cycle - EQUAL) for end in ends)])
 
     @cached_property
     def proof(self) -> Enclosures:
@@ -229,7 +228,7 @@ class Judgement:
 
 def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
     """Whether a model was compared over a whole cycle, in steps no longer than engines are asked for at least."""
-    times, cycle = measurement.asked.times(scene), scene.drive.cycle
+    times, cycle = measurement.asked.times(scene), scene.cycle
     step = float(np.diff(times).max(initial=0.0))  # to the first row of the next cycle too
     return bool(FEWEST * step <= (1 + EQUAL) * cycle and times[-1] - times[0] + step >= (1 - EQUAL) * cycle)
 

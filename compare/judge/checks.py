@@ -72,7 +72,7 @@ def checks(
     divided by; None where the motion's own projection shows it.
     """
     scene, state, places = mechanics.scene, MotionVectors(mechanics.scene, motion), mechanics.axis.of(motion)
-    asked = "radian" if scene.driven_slide is None else "travel"
+    asked = "radian" if scene.drive.slide is None else "travel"
     violations = {("drive", scene.drive.body, asked): _drive(mechanics, motion)}
     for body in scene.bodies.values():
         if motion.samples.keys() >= closed_by(scene, body):
@@ -103,7 +103,7 @@ def _flips(branch: Samples) -> Samples:
 
 def _drive(mechanics: Mechanics, motion: Motion) -> Samples:
     """How far the drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
-    asked = mechanics.scene.drive.at(motion["time"]).position
+    asked = mechanics.scene.drive.law.at(motion["time"]).position
     way: Samples = np.maximum(mechanics.way, np.abs(asked - asked[:1]))
     rounding = ROUNDINGS * EPS * np.hypot(asked, 0.0)  # much of the travel of a slider far from where it is measured
     return np.maximum(np.abs(motion[mechanics.scene.drive_channel] - asked) - rounding, 0.0) / way
@@ -156,7 +156,7 @@ def estimate(
     more than the promise is left, of the projection when all numbers are off by their last places.
     """
     turns = np.ones_like(motion["time"])
-    if mechanics.scene.driven_slide is None:  # how often a crank has turned: its angle is rounded by as much more
+    if mechanics.scene.drive.slide is None:  # how often a crank has turned: its angle is rounded by as much more
         turns = np.maximum(np.abs(motion[mechanics.scene.drive_channel]) / (2 * np.pi), 1)
     projection = projected(mechanics, motion, ends)
     closed, condition = projection.closed, projection.condition

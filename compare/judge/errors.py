@@ -6,7 +6,7 @@ interpolated.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
@@ -75,17 +75,17 @@ def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
         position,
         reference.mechanics.axis.of(commanded),
         slope < TOGGLE_WINDOW * slope.max(),
-        commanded["time"] >= commanded["time"][-1] - (1 + ON_TIME) * scene.drive.cycle,
+        commanded["time"] >= commanded["time"][-1] - (1 + ON_TIME) * scene.cycle,
     )
 
 
 def _slope(reference: Reference, motion: Motion) -> Samples:
     """|dx/dq| of the output point over the drive's position q, but for a constant factor: its speed at a steady one."""
     scene = reference.scene
-    if not isinstance(scene.drive, ConstantSpeed):  # a law's rests are no toggles
-        steady = ConstantSpeed(scene.drive.body, 1.0, *scene.drive.extent)
+    if not isinstance(scene.drive.law, ConstantSpeed):  # a law's rests are no toggles
+        steady = ConstantSpeed(1.0, *scene.drive.law.extent)
         velocity = frozenset((f"{scene.output}.vx", f"{scene.output}.vy"))
-        steadily = registry.reference(replace(scene, drive=steady), velocity)
+        steadily = registry.reference(scene.with_law(steady), velocity)
         motion = steadily(motion[scene.drive_channel], motion["time"])
     return np.hypot(motion[f"{scene.output}.vx"], motion[f"{scene.output}.vy"])
 

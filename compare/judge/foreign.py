@@ -78,7 +78,7 @@ def coarse(measured: Measurement) -> Iterator[str]:
 
 def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samples) -> Samples:
     """Where the drive is by the time, but for what its decimals, which excuse no other channel, do not explain."""
-    asked = mechanics.scene.drive.at(time).position
+    asked = mechanics.scene.drive.law.at(time).position
     off = position - asked
     left: Samples = np.sign(off) * np.maximum(np.abs(off) - np.minimum(half, MOST * mechanics.way), 0.0)
     return asked + left
@@ -99,7 +99,7 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
 
 def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, Samples]:
     """How far each channel moves while the instants are off as written, relative, shape (n,)."""
-    position, moved = np.abs(reference.scene.drive.at(true["time"]).rate) * time, dict[str, Samples]()
+    position, moved = np.abs(reference.scene.drive.law.at(true["time"]).rate) * time, dict[str, Samples]()
     for sign in (1, -1) if position.any() else ():
         with suppress(Failure):  # beyond the end of the drive
             other = reference.at(true[reference.scene.drive_channel] + sign * position, true["time"] + sign * time)
@@ -113,7 +113,7 @@ def _excused(
 ) -> list[Check]:
     """What checks find in a result's own motion; nothing where they find it in the reference's as it may be written."""
     draw, complete = np.random.default_rng(SEED), own.samples.keys() >= reference.mechanics.units.keys()
-    way = np.abs(reference.scene.drive.at(true["time"]).rate) * halves["time"]  # of the drive meanwhile
+    way = np.abs(reference.scene.drive.law.at(true["time"]).rate) * halves["time"]  # of the drive meanwhile
     halves = {**halves, reference.scene.drive_channel: way}
     off = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in own.samples}
 

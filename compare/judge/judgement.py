@@ -119,7 +119,7 @@ def _agree(reference: Reference, one: Run, other: Run) -> bool:
 
 def notes(scene: Scene) -> Iterator[str]:
     """Yield a sentence on a motion law that leaves its table, and on each plate or bar that is nearly the other."""
-    law = scene.drive
+    law = scene.drive.law
     if isinstance(law, MotionLaw) and law.beyond > BEYOND:
         leaves = f"drives from {scene.between(law.extent)}, beyond its table's {scene.between(law.table)}"
         closer = "more rows where the motion changes keep it closer, 'segments' or 'harmonics' have no table to leave"

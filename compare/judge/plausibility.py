@@ -131,9 +131,9 @@ RULES: Sequence[Rule] = (gravity, coefficients, centres_of_mass, radii_of_gyrati
 
 def cycles_of(scene: Scene, load: Load) -> int:
     """How many cycles of the drive the period of a load's table has; one of others."""
-    drive, table = scene.drive, load.table
-    lengths: Mapping[str, float] = {"drive": abs(float(drive.after(1.0) - drive.after(0.0))), "time": drive.cycle}
-    if table is None or not (table.periodic and drive.periodic and lengths.get(table.over)):
+    law, table = scene.drive.law, load.table
+    lengths: Mapping[str, float] = {"drive": abs(float(law.after(1.0) - law.after(0.0))), "time": law.cycle}
+    if table is None or not (table.periodic and law.periodic and lengths.get(table.over)):
         return 1
     return ceil(float(table.arguments[-1] - table.arguments[0]) / lengths[table.over] - PART)
 

@@ -190,12 +190,12 @@ def _nearest(scene: Scene) -> Places:
 
 
 def _key(scene: Scene) -> str:
-    return "angle" if scene.driven_slide is None else "displacement"
+    return "angle" if scene.drive.slide is None else "displacement"
 
 
 def _given(scene: Scene) -> str:
     """Where the sketch has the drive."""
-    absent = " (taken where it is absent)" if scene.driven_slide is None and scene.sketch.drive == 0 else ""
+    absent = " (taken where it is absent)" if scene.drive.slide is None and scene.sketch.drive == 0 else ""
     return f"sketch.{_key(scene)} = {scene.position(scene.sketch.drive)}{absent}"
 
 

@@ -41,11 +41,11 @@ class DriveAxis:
 
 def axis(scene: Scene) -> DriveAxis:
     """The drive's position at a constant speed; the time under a law, which may go to and fro."""
-    if not isinstance(scene.drive, ConstantSpeed):
-        factor, unit = prefixed(scene.drive.cycle, "s")
-        return DriveAxis("time", unit, "time", factor, _decimals(factor * scene.drive.cycle))
-    unit, size = ("deg", pi / 180) if scene.driven_slide is None else scene.units["length"]
-    span = float(np.ptp(scene.drive.extent))
+    if not isinstance(scene.drive.law, ConstantSpeed):
+        factor, unit = prefixed(scene.cycle, "s")
+        return DriveAxis("time", unit, "time", factor, _decimals(factor * scene.cycle))
+    unit, size = ("deg", pi / 180) if scene.drive.slide is None else scene.units["length"]
+    span = float(np.ptp(scene.drive.law.extent))
     return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size, _decimals(span / size))
 
 
@@ -55,14 +55,14 @@ def _decimals(span: float) -> int:
 
 def position_name(scene: Scene) -> str:
     """The name of the drive's position."""
-    if scene.driven_slide is not None:
+    if scene.drive.slide is not None:
         return f"{scene.drive.body} displacement"
-    return "crank angle" if scene.drive_on == GROUND else f"angle of {scene.drive.body} on {scene.drive_on}"
+    return "crank angle" if scene.drive.on == GROUND else f"angle of {scene.drive.body} on {scene.drive.on}"
 
 
 def turns_fully(scene: Scene) -> bool:
     """Whether a crank turns for ever at constant speed, so that a cycle is a turn."""
-    return scene.driven_slide is None and isinstance(scene.drive, ConstantSpeed) and scene.drive.periodic
+    return scene.drive.slide is None and isinstance(scene.drive.law, ConstantSpeed) and scene.periodic
 
 
 def cycle_name(scene: Scene) -> str:

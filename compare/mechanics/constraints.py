@@ -82,7 +82,7 @@ class Constraints:
         for name, guide in scene.slides.items():
             yield Constraint(name, guide.on, 0, self._through(guide), 1j * complex(*guide.along), guide.on)
             yield Constraint(name, guide.on)
-        slide, on = scene.driven_slide, scene.drive_on
+        slide, on = scene.drive.slide, scene.drive.on
         line = () if slide is None else (0, self._through(slide), complex(*slide.along), on)
         yield Constraint(scene.drive.body, on, *line)
 
@@ -111,7 +111,7 @@ class Constraints:
         q = q - np.where(np.isfinite(step), step, 0.0)
         J = self.jacobian(q)
         inverse = self._solve(J, np.broadcast_to(np.eye(len(self.units)), J.shape))
-        _, rate, acceleration = (of[:, np.newaxis] / self.units[-1] for of in self.scene.drive.at(motion["time"]))
+        _, rate, acceleration = (of[:, np.newaxis] / self.units[-1] for of in self.scene.drive.law.at(motion["time"]))
         v = (inverse[:, :, -1] * rate).reshape(q.shape)
         bending = (inverse @ self.bending(q, v)[..., np.newaxis])[..., 0]
         a = (inverse[:, :, -1] * acceleration - bending).reshape(q.shape)

@@ -123,8 +123,8 @@ def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
             places, angles = _course(scene, spring)
         except Failure:  # no other motion is known than this one
             return np.unwrap(np.remainder(within + pi, 2 * pi) - pi)
-        once = 2 * pi * round(float(scene.drive.after(1.0) - scene.drive.after(0.0)) / (2 * pi))
-        cycles = np.floor((position - places[0]) / abs(once)) if scene.drive.periodic and once else 0.0
+        once = 2 * pi * round(float(scene.drive.law.after(1.0) - scene.drive.law.after(0.0)) / (2 * pi))
+        cycles = np.floor((position - places[0]) / abs(once)) if scene.periodic and once else 0.0
         gain = np.interp(places[0] + abs(once), places, angles) - angles[0]  # whole turns
         near = np.interp(position - cycles * abs(once), places, angles) + cycles * gain
     return np.asarray(near + np.remainder(within - near + pi, 2 * pi) - pi)
@@ -133,12 +133,12 @@ def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
 @lru_cache(maxsize=16)
 def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     """Positions of the drive over one cycle, increasing, and the angles there, from - pi to pi at time zero."""
-    places, signs = np.linspace(*scene.drive.extent, STEPS + 1), {spring.second: 1, spring.first: -1}
+    places, signs = np.linspace(*scene.drive.law.extent, STEPS + 1), {spring.second: 1, spring.first: -1}
     solve = registry.reference(scene, frozenset(f"{name}.angle" for name in signs if name in scene.turning))
     motion = solve(places, np.zeros_like(places))
     turning = (signs[name] * motion[f"{name}.angle"] for name in signs if name in scene.turning)
     angles = np.unwrap(sum(turning, np.zeros_like(places)))
-    start = float(np.interp(scene.drive.at(0.0).position, places, angles))
+    start = float(np.interp(scene.drive.law.at(0.0).position, places, angles))
     return places, angles - 2 * pi * ceil((start - pi - HAIR) / (2 * pi))
 
 
@@ -229,7 +229,7 @@ def of_joints(state: MotionVectors) -> Iterator[Push]:
     driven, effort = scene.bodies[scene.drive.body], motion[scene.effort_channel]
     turns = driven.slide is None
     push: Vectors = np.zeros(effort.shape, np.complex128) if turns else effort * state.along(driven)
-    between.append((driven.name, scene.drive_on, driven.points[0], push, effort if turns else 0.0))
+    between.append((driven.name, scene.drive.on, driven.points[0], push, effort if turns else 0.0))
     for on, other, point, force, moment in between:
         at = state.place(point)
         both = Push(on, force, at, moment), Push(other, -force, at, -moment)
@@ -243,6 +243,6 @@ def power_of(state: MotionVectors, push: Push) -> Samples:
 
 def drive_power(state: MotionVectors) -> Samples:
     """The power of the drive, W: its torque or force by the rate of its body against that on which it stands."""
-    body, on = state.scene.bodies[state.scene.drive.body], state.scene.drive_on
+    body, on = state.scene.bodies[state.scene.drive.body], state.scene.drive.on
     rate = state.turning(body.name)[1] - state.turning(on)[1] if body.slide is None else state.sliding(body)
     return state.motion[state.scene.effort_channel] * rate

@@ -30,7 +30,7 @@ def resting(state: MotionVectors) -> NDArray[np.bool_]:
     scene = state.scene
     turning = np.max([np.abs(state.turning(body)[1]) for body in scene.bodies], axis=0)
     moving = np.max([np.abs(state.place(point, "v")) for point in scene.moving_points], axis=0)
-    slow = np.abs(scene.drive.at(state.motion["time"]).rate) <= SLOW * scene.drive.peak_rate
+    slow = np.abs(scene.drive.law.at(state.motion["time"]).rate) <= SLOW * scene.drive.law.peak_rate
     for one in scene.friction:
         if one.smooth is None:
             slow |= np.abs(rate(state, one)) <= SLOW * (turning if isinstance(one, PinFriction) else moving)

@@ -29,7 +29,7 @@ ULPS = 4  # of every number, up or down at random
 DRAWS = 4  # scenes; their worst is within a factor of three of the worst of many more, see the tests
 SEED = 20261121
 MIN_POSITION = 1e-3  # of the drive's range
-LEFT_OUT = {("drive", name) for name in ("start", "end", "times", "positions")} | {
+LEFT_OUT = {("drives", name) for name in ("start", "end", "times", "positions")} | {
     ("loads", name) for name in ("last", "displacements", "positions", "times")
 }
 
@@ -52,13 +52,13 @@ class Mechanics:
     @property
     def way(self) -> float:
         """What the drive's position is measured by: 1 rad, or the travel of a slider that is driven, m."""
-        least, largest = self.scene.drive.extent
-        return 1.0 if self.scene.driven_slide is None else largest - least
+        least, largest = self.scene.drive.law.extent
+        return 1.0 if self.scene.drive.slide is None else largest - least
 
     @property
     def rate(self) -> float:
         """The drive's peak rate over its `way`, 1/s."""
-        return self.scene.drive.peak_rate / self.way
+        return self.scene.drive.law.peak_rate / self.way
 
     @cached_property
     def constraints(self) -> Constraints:
@@ -101,7 +101,7 @@ class Mechanics:
         A position that passes through zero is no better known there than where it is a thousandth of its range.
         """
         position, time = motion[self.scene.drive_channel], motion["time"]
-        off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * np.ptp(self.scene.drive.extent))
+        off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * np.ptp(self.scene.drive.law.extent))
         for number in range(DRAWS):
             sign = (-1) ** number
             yield position + sign * off, time * (1 + sign * ULPS * EPS)
@@ -119,7 +119,7 @@ def rounded(scene: Scene) -> Iterator[Number]:
     """Yield the numbers of a scene that every model rounds its own way, those of the drive's law among them."""
     for number in walk(scene):
         group, name = number.at[0], next(key for key in reversed(number.at) if not isinstance(key, int))
-        if group == "drive":
+        if group == "drives":
             if name not in ("times", "frequencies", "end"):
                 yield number
         elif group not in ("sketch", "limits", "tolerances") and (group, name) not in LEFT_OUT:

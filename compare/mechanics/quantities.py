@@ -38,13 +38,13 @@ def units(reference: Reference) -> Units:
 
     The size of places is their travel, of rates and forces their peak, of work what the drive's power amounts to.
     """
-    cycle, drive, sizes = reference.cycle, reference.scene.drive, list[tuple[str, float]]()
+    cycle, law, sizes = reference.cycle, reference.scene.drive.law, list[tuple[str, float]]()
     for channel, size in reference.scale.items():
         unit = UNITS[quantity(channel)]
         sizes.append((unit, float(magnitude(cycle, channel).max()) if unit in RATES and channel in cycle else size))
     if (effort := reference.scene.effort_channel) in cycle:
-        power = np.abs(cycle[effort] * drive.at(cycle["time"]).rate)
-        sizes += [("W", float(power.max())), ("J", float(power.mean()) * drive.cycle)]
+        power = np.abs(cycle[effort] * law.at(cycle["time"]).rate)
+        sizes += [("W", float(power.max())), ("J", float(power.mean()) * law.cycle)]
     return suited(reference.scene.units, sizes)
 
 

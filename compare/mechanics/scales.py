@@ -47,7 +47,7 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
 def _kinematic(mechanics: Mechanics, travel: Mapping[str, float]) -> dict[str, float]:
     """What errors of all channels but forces are divided by."""
     scene, w = mechanics.scene, mechanics.rate
-    scale = {"time": scene.drive.cycle, scene.drive_channel: mechanics.way}
+    scale = {"time": scene.cycle, scene.drive_channel: mechanics.way}
     scale |= {f"{point}.{of}": T * w**power for point, T in travel.items() for of, power in POWERS.items()}
     return scale | {f"{body}.{of}": w**power for body in scene.turning for power, of in enumerate(TURNING)}
 

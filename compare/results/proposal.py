@@ -50,7 +50,7 @@ def proposed(scene: Scene, text: str) -> str:
         raise InputError(f"{scene.file}: {failure.reason}") from None
     rest = [k for k, name in enumerate(names) if name != axis.column]
     time = axis.time + axis.lag
-    true = solve(scene.drive.at(time).position, time).samples
+    true = solve(scene.drive.law.at(time).position, time).samples
     turn = _turn(true, columns[rest])
     own = {c: np.unwrap(true[c]) if quantity(c) == "angle" else true[c] for c in channels(scene)[2:]}
     ways = []
@@ -109,14 +109,14 @@ def _counted_on(values: Samples) -> Samples:
 
 
 def _axes(scene: Scene, names: Sequence[str], columns: NDArray[np.float64]) -> Iterator[Axis]:
-    drive = scene.drive
+    law = scene.drive.law
     for name, values in zip(names, columns, strict=True):
         if (np.diff(values) > 0).all():
             for unit, size in KNOWN["s"].items():
                 yield Axis("time", name, unit, size * values)
-        if isinstance(drive, ConstantSpeed) and scene.driven_slide is None:
+        if isinstance(law, ConstantSpeed) and scene.drive.slide is None:
             for unit, size in OF_ANGLES.items():
-                time = (np.unwrap(size * values) - drive.start) / drive.speed
+                time = (np.unwrap(size * values) - law.start) / law.speed
                 if (np.diff(time) > 0).all():
                     yield Axis("crank_angle", name, unit, time)
 
@@ -125,12 +125,12 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
     """Return the axis, late as it is, at which the channels leave least of all columns, and whether no others do."""
     from scipy.optimize import minimize_scalar
 
-    cycle, repeats = scene.drive.cycle, scene.drive.periodic
+    cycle, repeats = scene.cycle, scene.periodic
 
     def left(axis: Axis, lag: float) -> Samples:
         """Return the shares of the squares of columns that the channels leave."""
         try:
-            true = solve(scene.drive.at(axis.time + lag).position, axis.time + lag).samples
+            true = solve(scene.drive.law.at(axis.time + lag).position, axis.time + lag).samples
         except Failure:
             return np.ones(len(names))
         leaves, moves = [np.ones(len(names))], moving({c: true[c] for c in channels(scene)[2:]})

@@ -123,7 +123,7 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     table, left_out = table.complete(_named(given).column for given in mapping.columns.values())
     numbers, rows = np.array(table.rows), len(table.rows)
     columns, halves = _in_si(table, mapping)
-    _to_frame(columns, halves, mapping, relative=scene.drive_on != GROUND)
+    _to_frame(columns, halves, mapping, relative=scene.drive.on != GROUND)
     to_guides(scene, columns, halves, mapping.promise)
     _on_this_side(scene, columns, mapping.other_side)
     if mapping.backwards:
@@ -141,14 +141,14 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     own = frozenset(columns) - {"time", by}
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {by} at least")
-    drive = scene.drive.at(columns["time"]).position
-    cycles = f"{np.ptp(columns['time']) / scene.drive.cycle:.2g}"
+    drive = scene.drive.law.at(columns["time"]).position
+    cycles = f"{np.ptp(columns['time']) / scene.cycle:.2g}"
     length = f"{cycles} cycle{'s' * (cycles != '1')} of the drive"
     over = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
     notes.insert(0, f"{name} has {rows} {over}")
     if (count := len(own.intersection(known))) < len(known) - 2:
         notes.append(f"{name} gives {count} of {len(known) - 2} channels; it was not asked for the others")
-    if by in columns and scene.driven_slide is None:  # counted on from turn to turn, whatever turn each row is in
+    if by in columns and scene.drive.slide is None:  # counted on from turn to turn, whatever turn each row is in
         columns[by] += 2 * np.pi * np.round((drive - columns[by]) / (2 * np.pi))
     if not with_drive:
         notes.append(f"{name} gives no {by}; it is taken as commanded")
@@ -174,7 +174,7 @@ def _readable(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
     if angles:  # the reference knows at which joints they are
         with suppress(Failure):
             time = np.zeros(1)
-            found = registry.reference(scene)(scene.drive.at(time).position, time)
+            found = registry.reference(scene)(scene.drive.law.at(time).position, time)
             angles = [channel for channel in found.samples if quantity(channel) == TRANSMISSION]
     return (*channels(scene), *magnitudes(scene), *guide_components(scene), *angles)
 
@@ -226,26 +226,26 @@ def _on_time(scene: Scene, columns: Columns, halves: Columns, rows: NDArray[np.i
 
     `rows` are the numbers of the rows in the file; where one is left out, a step is over two of them.
     """
-    drive, by = scene.drive, scene.drive_channel
+    law, by = scene.drive.law, scene.drive_channel
     if "time" not in columns:
-        if not isinstance(drive, ConstantSpeed):
+        if not isinstance(law, ConstantSpeed):
             raise InputError("columns.time: missing; the drive follows a motion law")
         if by not in columns:
             raise InputError(f"columns: expected time, or {by}")
         position = columns.pop(by)
-        if scene.driven_slide is None and not (np.diff(position) * drive.speed > 0).all():
+        if scene.drive.slide is None and not (np.diff(position) * law.speed > 0).all():
             position = np.unwrap(position)  # it is counted modulo one turn
-        columns["time"] = (position - drive.start) / drive.speed
-        halves["time"] = halves.pop(by) / abs(drive.speed)
+        columns["time"] = (position - law.start) / law.speed
+        halves["time"] = halves.pop(by) / abs(law.speed)
     steps = np.diff(columns["time"])
     if not (steps > 0).all():
         row = int((~(steps > 0)).argmax())
         way = "; 'backwards' reads a drive that runs the other way" if (steps < 0).all() else ""
         raise InputError(f"row {rows[row + 1]}: expected a later instant than in the row before{way}")
     first, last = columns["time"][0], columns["time"][-1]
-    hair = min(halves["time"].max(), BEYOND * drive.cycle) + EQUAL * drive.cycle
-    if not (drive.periodic or (first >= -hair and last <= drive.cycle + hair)):
-        runs = f"from 0 to {drive.cycle:g} s, while the drive runs"
+    hair = min(halves["time"].max(), BEYOND * scene.cycle) + EQUAL * scene.cycle
+    if not (scene.periodic or (first >= -hair and last <= scene.cycle + hair)):
+        runs = f"from 0 to {scene.cycle:g} s, while the drive runs"
         raise InputError(f"time: expected instants {runs}, found {first:g} s to {last:g} s; its 'zero' shifts them")
     if len(steps) > 1 and np.ptp(steps / np.abs(np.diff(rows))) <= EQUAL * 2 * halves["time"].max():
         halves["time"] = np.zeros(len(steps) + 1)  # equal steps as written are not rounded

@@ -6,7 +6,6 @@ are those over turns of the crank that the reference solves: a form, the differe
 what it needs of other equations from the motion, so that each misprint counts once, where it stands.
 """
 
-from dataclasses import replace
 from functools import partial
 from math import tau
 from typing import Any
@@ -50,8 +49,8 @@ def over_two_turns() -> Symbols:
     Those of the bars have their numbers, but the crank's none; arrays of shape (n,).
     """
     steady = load("toggle_press")
-    uneven = SegmentedLaw("crank", 0.0, (tau,), (steady.drive.cycle,), ("cycloidal",), periodic=True)
-    motions = [registry.motion(scene, SAMPLES) for scene in (steady, replace(steady, drive=uneven))]
+    uneven = SegmentedLaw(0.0, (tau,), (steady.cycle,), ("cycloidal",), periodic=True)
+    motions = [registry.motion(scene, SAMPLES) for scene in (steady, steady.with_law(uneven))]
     both = Motion({channel: np.concatenate([m[channel] for m in motions]) for channel in motions[0].samples})
     state = MotionVectors(steady, both)
     vectors = bars(state)

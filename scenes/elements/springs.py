@@ -57,8 +57,8 @@ class TorsionSpring:
 
     def drives(self, scene: "Scene") -> int:
         """1 where the angle is the drive's own, -1 where it is that turned round, else 0."""
-        pair = (scene.drive_on, scene.drive.body)
-        if scene.driven_slide is not None or {self.first, self.second} != {*pair}:
+        pair = (scene.drive.on, scene.drive.body)
+        if scene.drive.slide is not None or {self.first, self.second} != {*pair}:
             return 0
         return 1 if (self.first, self.second) == pair else -1
 

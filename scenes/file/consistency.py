@@ -50,7 +50,7 @@ def _of_slides(scene: Scene) -> Iterator[str]:
         ring = error.args[1][::-1]  # from each to what it slides on
         expected = "expected slides to lead to the ground, or to a body that does not slide"
         yield f"bodies.{ring[0]}.slides.on: {expected}, found {' on '.join(ring)}"
-    driven, base = scene.drive.body, scene.drive_on
+    driven, base = scene.drive.body, scene.drive.on
     others = [name for name in (GROUND, *scene.bodies) if name != driven]
     if base not in others:
         yield f"drive.on: no other body '{base}'{nearest(base, others)}"
@@ -94,22 +94,22 @@ def _of_lengths(body: Body, lengths: Collection[frozenset[str]]) -> Iterator[str
 
 
 def _of_drive(scene: Scene) -> Iterator[str]:
-    drive, slides, instead = scene.drive, scene.driven_slide is not None, ""
+    law, slides, instead = scene.drive.law, scene.drive.slide is not None, ""
     keys: dict[type, str] = {MotionLaw: "law", SegmentedLaw: "segments", HarmonicLaw: "harmonics"}
-    key = keys.get(type(drive), "end")
-    if isinstance(drive, MotionLaw):
-        yield from _of_times(drive)
-    if isinstance(drive, MotionLaw | SegmentedLaw):
-        yield from _of_positions(scene, drive, key)
-    elif isinstance(drive, HarmonicLaw):
-        yield from _of_harmonics(drive)
+    key = keys.get(type(law), "end")
+    if isinstance(law, MotionLaw):
+        yield from _of_times(law)
+    if isinstance(law, MotionLaw | SegmentedLaw):
+        yield from _of_positions(scene, law, key)
+    elif isinstance(law, HarmonicLaw):
+        yield from _of_harmonics(law)
     else:
         instead = "; without 'end' a crank turns for ever"
-        if drive.end is None and slides:
+        if law.end is None and slides:
             yield "drive.end: missing; a slider that is driven has to stop somewhere"
-        if drive.end == drive.start:
-            yield f"drive.end: expected another position than 'start', {scene.position(drive.start)}"
-    turns = (drive.extent[1] - drive.extent[0]) / (2 * pi)
+        if law.end == law.start:
+            yield f"drive.end: expected another position than 'start', {scene.position(law.start)}"
+    turns = (law.extent[1] - law.extent[0]) / (2 * pi)
     if not slides and not turns <= TURNS:
         yield f"drive.{key}: expected {TURNS} turns at most from end to end, found {turns:g}{instead}"
 
@@ -136,7 +136,7 @@ def _of_positions(scene: Scene, law: MotionLaw | SegmentedLaw, key: str) -> Iter
     if len(set(law.positions)) == 1:
         yield f"drive.{key}: expected a motion, found the same position at all times"
     gain = law.positions[-1] - law.positions[0]
-    slides = scene.driven_slide is not None
+    slides = scene.drive.slide is not None
     off = gain if slides else remainder(gain, 2 * pi)
     largest = max(abs(position - law.positions[0]) for position in law.positions)
     if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
@@ -222,7 +222,7 @@ def _of_sketch_and_output(scene: Scene, output_slides: bool) -> Iterator[str]:
         if point in needed and point not in scene.sketch.points:
             yield f"sketch.{point}: missing; its rough position picks the assembly branch"
     known = {*scene.sketch.points, *scene.ground}
-    turned_by_drive = () if scene.driven_slide is not None else (scene.drive_on, scene.drive.body)
+    turned_by_drive = () if scene.drive.slide is not None else (scene.drive.on, scene.drive.body)
     for group in dict.fromkeys(scene.aligned[name] for name in scene.turning):
         known_turns = group.union(*(scene.aligned[name] for name in turned_by_drive if group & {*turned_by_drive}))
         if GROUND not in known_turns and not _shown(scene, known_turns, known):

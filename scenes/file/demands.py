@@ -36,7 +36,7 @@ def unmet_by_numbers(scene: Scene) -> Iterator[Demand]:
         if quantity.dimension == "direction":
             continue  # of which the length matters, see below
         unit, size = scene.all_units[quantity.dimension]
-        displaced = number.at == ("sketch", "drive") and scene.driven_slide is not None
+        displaced = number.at == ("sketch", "drive") and scene.drive.slide is not None
         place = "sketch.displacement" if displaced else number.path
         if not _all(fits := quantity.has_sign(value)):
             yield Demand(f"{place}: expected {quantity.sign}, found {{:g}}", fits, (value / size,))
@@ -108,14 +108,14 @@ def _of_drawn(body: DrawnBody) -> Iterator[Demand]:
 
 
 def _of_drive(scene: Scene) -> Iterator[Demand]:
-    drive = scene.drive
-    if isinstance(drive, ConstantSpeed) and drive.end is not None:
+    law = scene.drive.law
+    if isinstance(law, ConstantSpeed) and law.end is not None:
         unit, size = scene.all_units["position"]
-        numbers = drive.start / size, drive.end / size
-        for way, sign, other in (("above", "negative", drive.speed < 0), ("below", "positive", drive.speed > 0)):
+        numbers = law.start / size, law.end / size
+        for way, sign, other in (("above", "negative", law.speed < 0), ("below", "positive", law.speed > 0)):
             ends = f"{{:.12g}} {unit}, found {{:.12g}} {unit}"
             text = f"drive.end: expected a position {way} 'start', {ends}; or make speed {sign}"
-            yield Demand(text, np.logical_or(other, drive.cycle > 0), numbers)
+            yield Demand(text, np.logical_or(other, law.cycle > 0), numbers)
 
 
 def _triangles(body: Body) -> Iterator[Any]:

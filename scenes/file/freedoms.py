@@ -86,7 +86,7 @@ def _joints(scene: Scene, without: str = "") -> list[Joint]:
 def _pattern(scene: Scene, bodies: Iterable[str], joints: Iterable[Joint]) -> Pattern:
     """By equation the coordinates that occur in it: three a body, in order; the equation of the drive is the last."""
     first = {body: 3 * number for number, body in enumerate(bodies)}
-    ends = [(joint.first, joint.second) for joint in joints for _ in range(2)] + [(scene.drive_on, scene.drive.body)]
+    ends = [(joint.first, joint.second) for joint in joints for _ in range(2)] + [(scene.drive.on, scene.drive.body)]
     return [[first[body] + k for body in pair if body in first for k in range(3)] for pair in ends]
 
 
@@ -135,7 +135,7 @@ def _on(body: str) -> str:
 
 def _superfluous(scene: Scene) -> str:
     """Without which body or joint the rest is determined; where there is none, which bodies are held twice."""
-    joints, bodies, driven = _joints(scene), [*scene.bodies], {scene.drive.body, scene.drive_on}
+    joints, bodies, driven = _joints(scene), [*scene.bodies], {scene.drive.body, scene.drive.on}
     fewer = {name: ([body for body in bodies if body != name], _joints(scene, name)) for name in bodies[:TRIED]}
     fewer |= {joint.name: (bodies, [other for other in joints if other != joint]) for joint in joints[:TRIED]}
     kept = {*driven, *(joint.name for joint in joints if {joint.first, joint.second} == driven)}

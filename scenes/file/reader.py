@@ -105,11 +105,11 @@ def _scene(table: SceneFile, file: str) -> Scene:
         file=file,
         ground=MappingProxyType(table.ground.points),
         bodies=MappingProxyType(bodies),
-        drive=table.drive.drive(),
+        drives=(replace(table.drive.drive(), on=_driven_on(table, guide)),),
         loads=tuple(load.element(f"loads.{number}", bodies) for number, load in enumerate(table.loads)),
         springs=tuple(spring.element(f"springs.{number}") for number, spring in enumerate(table.springs)),
         gravity=table.gravity,
-        sketch=Sketch(_sketched_drive(table, slides=slides), MappingProxyType(table.sketch.model_extra or {})),
+        sketch=Sketch(_position_in_sketch(table, slides=slides), MappingProxyType(table.sketch.model_extra or {})),
         output=table.output.slider or table.output.point or "",
         tolerances=MappingProxyType(held),
         units=MappingProxyType(units),
@@ -118,7 +118,6 @@ def _scene(table: SceneFile, file: str) -> Scene:
             spring.element(f"torsion_springs.{number}") for number, spring in enumerate(table.torsion_springs)
         ),
         friction=tuple(one.element(f"friction.{number}") for number, one in enumerate(table.friction)),
-        drive_on=_driven_on(table, guide),
     )
     sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}
     in_si = {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}
@@ -150,7 +149,7 @@ def _driven_on(table: SceneFile, guide: SlideTable | None) -> str:
     return guide.on if guide is not None else on or GROUND
 
 
-def _sketched_drive(table: SceneFile, *, slides: bool) -> float:
+def _position_in_sketch(table: SceneFile, *, slides: bool) -> float:
     right, wrong = ("displacement", "angle") if slides else ("angle", "displacement")
     driven = f"drive.body, '{table.drive.body}', {'slides' if slides else 'does not slide'}"
     if getattr(table.sketch, wrong) is not None:

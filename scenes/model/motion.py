@@ -211,11 +211,11 @@ class Sampling(_Channels):
 
     def times(self, scene: Scene) -> Samples:
         """The instants, shape (n,), s."""
-        return self._cycles() * scene.drive.cycle
+        return self._cycles() * scene.cycle
 
     def commanded(self, scene: Scene) -> Samples:
         """The positions that the drive commands at those instants, shape (n,), rad or m."""
-        return scene.drive.after(self._cycles())
+        return scene.drive.law.after(self._cycles())
 
 
 @dataclass(frozen=True)
@@ -234,9 +234,9 @@ class Positions(_Channels):
 
     def times(self, scene: Scene) -> Samples:
         """The instants, shape (n,), s; InputError where the drive follows a motion law."""
-        if not isinstance(scene.drive, ConstantSpeed):
+        if not isinstance(scene.drive.law, ConstantSpeed):
             raise InputError("positions alone are of a drive at constant speed")
-        return (self.commanded(scene) - scene.drive.start) / scene.drive.speed
+        return (self.commanded(scene) - scene.drive.law.start) / scene.drive.law.speed
 
     def commanded(self, scene: Scene) -> Samples:  # noqa: ARG002 - they are the request itself
         """The positions, shape (n,), rad or m."""
@@ -265,7 +265,7 @@ class Instants(_Channels):
 
     def commanded(self, scene: Scene) -> Samples:
         """The positions that the drive commands at those instants, shape (n,), rad or m."""
-        return scene.drive.at(self.times(scene)).position
+        return scene.drive.law.at(self.times(scene)).position
 
 
 Request: TypeAlias = Sampling | Positions  # of a model

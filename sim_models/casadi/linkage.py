@@ -59,7 +59,7 @@ class SymbolicLinkage:
     def drive_position(self) -> Any:
         """The position of the drive, rad or m."""
         body = self.scene.drive.body
-        return self.angle(body) if self.scene.driven_slide is None else self.slid(body)
+        return self.angle(body) if self.scene.drive.slide is None else self.slid(body)
 
     def _slide(self, body: str) -> Any:
         return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self._guides[body].carrier))

@@ -41,7 +41,7 @@ def linkage_size(scene: Scene, bodies: Mapping[str, ExudynBody]) -> float:
     """The longest distance of a centre of mass to a point or between ground points, or a driven slider's travel, m."""
     arms = [abs(point) for body in bodies.values() for point in body.points.values()]
     ground = [complex(*point) for point in scene.ground.values()]
-    least, most = (0.0, 0.0) if scene.driven_slide is None else scene.drive.extent
+    least, most = (0.0, 0.0) if scene.drive.slide is None else scene.drive.law.extent
     return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
 
 
@@ -52,8 +52,8 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are. In a kinematic
     scene the gaps alone count: near a singular configuration, the round-off of forces would keep the norm up.
     """
-    least, most = scene.drive.extent
-    rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
+    least, most = scene.drive.law.extent
+    rate = scene.drive.law.peak_rate / (1.0 if scene.drive.slide is None else most - least)
     acceleration = size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
     forces = [body.mass * acceleration for body in bodies.values()]
     forces += [_largest(load, size) for load in scene.loads]

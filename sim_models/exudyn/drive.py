@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 
 from scenes.laws import Piece
-from scenes.scene import ConstantSpeed, Drive, HarmonicLaw, SegmentedLaw
+from scenes.scene import ConstantSpeed, DriveLaw, HarmonicLaw, SegmentedLaw
 
 CUBED = 3  # in a cubic's polynomial, the place of what the jerk is six times of
 SAME_JERK = 1e-9  # of the largest in the law: neighbours of one cubic, as at the ends of a not-a-knot spline
 
 
-def pieces(drive: Drive, end: float) -> Sequence[Piece]:
-    """Cut a drive, from zero to an instant, s, into pieces: a table at the knots where its jerk jumps, or formulas."""
-    if isinstance(drive, ConstantSpeed):
-        return [Piece(0.0, (drive.start, drive.speed, 0.0, 0.0), within=inf)]
-    if isinstance(drive, HarmonicLaw):
-        return drive.pieces
-    cycles, gain = ceil(end / drive.cycle - 1e-9) or 1, drive.positions[-1] - drive.positions[0]
-    every = [piece.moved(k * drive.cycle, k * gain) for k in range(cycles + 1) for piece in drive.pieces]
-    count = cycles * len(drive.pieces)
-    if isinstance(drive, SegmentedLaw):
-        return every[: count + drive.periodic]  # to the next cycle's first one belongs the end of the last
+def pieces(law: DriveLaw, end: float) -> Sequence[Piece]:
+    """Cut a law, from zero to an instant, s, into pieces: a table at the knots where its jerk jumps, or formulas."""
+    if isinstance(law, ConstantSpeed):
+        return [Piece(0.0, (law.start, law.speed, 0.0, 0.0), within=inf)]
+    if isinstance(law, HarmonicLaw):
+        return law.pieces
+    cycles, gain = ceil(end / law.cycle - 1e-9) or 1, law.positions[-1] - law.positions[0]
+    every = [piece.moved(k * law.cycle, k * gain) for k in range(cycles + 1) for piece in law.pieces]
+    count = cycles * len(law.pieces)
+    if isinstance(law, SegmentedLaw):
+        return every[: count + law.periodic]  # to the next cycle's first one belongs the end of the last
     cubics = [cubic._replace(polynomial=[*map(float, cubic.polynomial)], within=inf) for cubic in every[:count]]
     cubed = np.array([cubic.polynomial[CUBED] for cubic in cubics])
     jumps = np.abs(np.diff(cubed, prepend=np.inf)) > SAME_JERK * np.abs(cubed).max()

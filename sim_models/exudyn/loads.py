@@ -94,7 +94,7 @@ def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressS
     """What a load's vector is to be multiplied by; None for a constant one."""
     scene, drive, coordinates = system.scene, system.driven_by, exudyn.OutputVariableType.Coordinates
     if isinstance(load, PressForce):  # off until the first of the instants of a cycle, on until the second, and so on
-        instants, cycle, repeats = switches[load], scene.drive.cycle, scene.drive.periodic
+        instants, cycle, repeats = switches[load], scene.cycle, scene.periodic
 
         def acts(_mbs: Any, clock: float) -> float:
             time = drive.zero + clock + SAME_INSTANT * cycle
@@ -106,10 +106,10 @@ def _value(system: ExudynSystem, load: PressForce | TabledLoad, switches: PressS
         return None
     if table.over == "time":
         return lambda _, clock: float(table.at(drive.zero + clock))
-    if table.over == "displacement" or scene.driven_slide is not None:
+    if table.over == "displacement" or scene.drive.slide is not None:
         markers = [(system.gauge(load.body if table.over == "displacement" else scene.drive.body), 1)]
     else:
-        turned = (scene.drive.body, 1), (scene.drive_on, -1)
+        turned = (scene.drive.body, 1), (scene.drive.on, -1)
         markers = [(system.coordinate(body, TURN), sign) for body, sign in turned]
     return lambda mbs, _: float(table.at(sum(sign * mbs.GetMarkerOutput(at, coordinates)[0] for at, sign in markers)))
 
@@ -121,9 +121,9 @@ def press_switches(poses: PoseSolver, start: Configuration) -> PressSwitches:
 
 def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequence[float]:
     """The instants of a cycle, s, at which a press load starts and stops acting in turn."""
-    system, drive = poses.system, poses.system.scene.drive
-    times = np.linspace(0, drive.cycle, GRID + 1)
-    states = poses.through(start, drive.at(times).position, curved=False)
+    system, law = poses.system, poses.system.scene.drive.law
+    times = np.linspace(0, law.cycle, GRID + 1)
+    states = poses.through(start, law.at(times).position, curved=False)
 
     def slider(state: Configuration, rate: Any) -> tuple[Any, Any]:
         """Return displacement, m, and velocity, m/s."""
@@ -131,18 +131,18 @@ def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequ
         return system.displacement(load.body, state.q), (system.along(load.body).conjugate() * tangent).real * rate
 
     def at(time: float) -> tuple[float, float]:
-        position, rate, _ = map(float, drive.at(time))
-        near = round(time / drive.cycle * GRID)
+        position, rate, _ = map(float, law.at(time))
+        near = round(time / law.cycle * GRID)
         return slider(poses.follow(poses.state(states.q[near], states.position[near]), position), rate)
 
-    x, v = slider(states, drive.at(times).rate)
+    x, v = slider(states, law.at(times).rate)
     dead = list(_zeros(lambda time: at(time)[1], times, v))
     x, times = np.append(x, [at(time)[0] for time in dead]), np.append(times, dead)
     order = times.argsort()
     end = load.closing * (x * load.closing).max()
     meets = end - load.closing * load.last
     met = list(_zeros(lambda time: at(time)[0] - meets, times[order], x[order] - meets))
-    parts = list(pairwise([0.0, *sorted(dead + met), drive.cycle]))
+    parts = list(pairwise([0.0, *sorted(dead + met), law.cycle]))
     acts = [bool(load.acts(*at((begin + end_of) / 2), end)) for begin, end_of in parts]
     changes = zip(parts[1:], pairwise(acts), strict=True)
     switches = [begin for (begin, _), (was, becomes) in changes if was != becomes]

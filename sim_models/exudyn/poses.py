@@ -130,7 +130,7 @@ class PoseSolver:
     """The poses of a scene's system with the drive held, in units of its own or in SI; it starts without loads."""
 
     def __init__(self, scene: Scene, *, si: bool = False) -> None:
-        self.system = ExudynSystem(scene, ExudynDrive(scene.drive.start), si=si)
+        self.system = ExudynSystem(scene, ExudynDrive(scene.drive.law.start), si=si)
         self.equations = Equations(self.system)
         self.newton_iterations = self.curvatures = 0  # found so far
         self.budget = ProcessorBudget(SECONDS, "building the system")
@@ -162,7 +162,7 @@ class PoseSolver:
 
         Where the drive rests or turns back is one too, so that the others lie between two of them.
         """
-        least, most = self.system.scene.drive.extent
+        least, most = self.system.scene.drive.law.extent
         steps = np.diff(positions)
         blocks = np.abs(steps).cumsum() // ((most - least) / KNOTS)
         ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)

@@ -30,7 +30,7 @@ def begun(scene: Scene, *, si: bool = False) -> tuple[Configuration, PressSwitch
 
 def start(poses: PoseSolver) -> Configuration:
     """Assemble the system where the sketch shows it, and move it to the drive's start."""
-    system, drawn = poses.system, poses.system.scene.sketched_drive
+    system, drawn = poses.system, poses.system.scene.drive.in_range(poses.system.scene.sketch.drive)
     where, rough = system.scene.where(drawn), _rough(system, drawn)
     assembled = poses.nearest(rough, drawn)
     if assembled is None:
@@ -42,7 +42,7 @@ def start(poses: PoseSolver) -> Configuration:
     if turned > pi / 2 or poses.branch(poses.equations.jacobian(rough)) != sketch.branch:
         reason = f"the sketch, {where}, is too rough to decide between two ways of assembling the bodies"
         raise Failure(Status.wrong_branch, reason)
-    return poses.follow(sketch, system.scene.drive.start)
+    return poses.follow(sketch, system.scene.drive.law.start)
 
 
 def _rough(system: ExudynSystem, position: float) -> Array:
@@ -62,10 +62,10 @@ def _rough(system: ExudynSystem, position: float) -> Array:
 def _angles(system: ExudynSystem, sketched: Sketched, position: float) -> dict[frozenset[str], float]:
     """The angles of bodies that slides keep parallel: as drawn, but a crank is turned from what it is driven on."""
     scene = system.scene
-    ground, base, crank = (scene.aligned[name] for name in (GROUND, scene.drive_on, scene.drive.body))
+    ground, base, crank = (scene.aligned[name] for name in (GROUND, scene.drive.on, scene.drive.body))
     fits = {group: _fit(system, sketched, group, position) for group in {*scene.aligned.values()} - {ground}}
     angles = {group: phase(fit) for group, fit in fits.items()} | {ground: 0.0}
-    if scene.driven_slide is None:
+    if scene.drive.slide is None:
         if base != ground and not fits[base]:
             angles[base] = angles[crank] - position
         angles[crank] = angles[base] + position

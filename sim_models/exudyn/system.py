@@ -102,9 +102,9 @@ class ExudynSystem:
     def driven(self, q: Array) -> Any:
         """The position of the drive, rad or m, from coordinates, shape (..., 3 bodies)."""
         name = self.scene.drive.body
-        if self.scene.driven_slide is not None:
+        if self.scene.drive.slide is not None:
             return self.displacement(name, q)
-        return self.pose_of(name, q)[1] - self.pose_of(self.scene.drive_on, q)[1]
+        return self.pose_of(name, q)[1] - self.pose_of(self.scene.drive.on, q)[1]
 
     def placed(self, body: str, place: complex) -> tuple[Any, list[float]]:
         """A body's object, and a place of it, or the ground's."""
@@ -184,8 +184,8 @@ class ExudynSystem:
 
     def _add_drive(self, drive: ExudynDrive) -> Any:
         """Hold the position, the angle of a crank or the displacement of a slider, less the drive's at zero."""
-        name, on = self.scene.drive.body, self.scene.drive_on
-        if self.scene.driven_slide is None:
+        name, on = self.scene.drive.body, self.scene.drive.on
+        if self.scene.drive.slide is None:
             first, second = self.coordinate(on, TURN), self.coordinate(name, TURN)
         else:
             first, second = self.coordinate(GROUND, 0), self.gauge(name)

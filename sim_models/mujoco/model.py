@@ -28,7 +28,7 @@ class MujocoUnits:
 
     def __init__(self, linkage: System) -> None:
         self.mass = max(body.mass for body in linkage.bodies.values())  # kg
-        self.second = linkage.scene.drive.cycle / (2 * np.pi)  # s
+        self.second = linkage.scene.cycle / (2 * np.pi)  # s
         self.force = self.mass * linkage.size / self.second**2  # N
 
 

@@ -16,7 +16,7 @@ from flint import arb, arb_mat, arb_series, fmpq
 
 from scenes import Request, Sampling
 from scenes.laws import SAME_INSTANT
-from scenes.scene import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
+from scenes.scene import ConstantSpeed, DriveLaw, HarmonicLaw, MotionLaw, SegmentedLaw
 
 # The way of the first half, of which the other is the mirror image, at a share x of the time; each up to a share.
 # The polynomials, the modified sine and the modified trapezoid of Norton, Cam Design, with their numbers by pi = p.
@@ -49,52 +49,52 @@ class Command(NamedTuple):
 Law: TypeAlias = Callable[[Fraction], Command]  # of a number of cycles, whole or not
 
 
-def law_of(drive: Drive) -> Law:
-    """Return a scene's drive at the precision that the caller has set."""
-    match drive:
+def law_of(written: DriveLaw) -> Law:
+    """Return the law of a drive, as its scene has it, at the precision that the caller has set."""
+    match written:
         case ConstantSpeed():
-            return _steady(drive)
+            return _steady(written)
         case MotionLaw():
-            return _spline(drive)
+            return _spline(written)
         case SegmentedLaw():
-            return _segments(drive)
+            return _segments(written)
         case HarmonicLaw():
-            return _sines(drive)
+            return _sines(written)
 
 
-def commands(drive: Drive, law: Law, request: Request) -> list[Command]:
+def commands(written: DriveLaw, law: Law, request: Request) -> list[Command]:
     """Return the command at every sample of a request; positions alone are of a constant speed."""
     if isinstance(request, Sampling):
         return [law(Fraction(k, request.samples)) for k in range(request.samples * request.turns + 1)]
-    assert isinstance(drive, ConstantSpeed)
-    return [_passing(drive, arb(position)) for position in request.positions]
+    assert isinstance(written, ConstantSpeed)
+    return [_passing(written, arb(position)) for position in request.positions]
 
 
-def _passing(drive: ConstantSpeed, position: arb) -> Command:
+def _passing(written: ConstantSpeed, position: arb) -> Command:
     """Return the command as a drive of constant speed passes a position, rad or m."""
-    return Command((position - drive.start) / drive.speed, position, arb(drive.speed), arb(0))
+    return Command((position - written.start) / written.speed, position, arb(written.speed), arb(0))
 
 
-def _steady(drive: ConstantSpeed) -> Law:
+def _steady(written: ConstantSpeed) -> Law:
     """Turn after turn, or once to an end."""
-    turn = 2 * arb.pi() * (1 if drive.speed > 0 else -1)
-    advance = turn if drive.end is None else arb(drive.end) - drive.start
-    return lambda cycles: _passing(drive, drive.start + ball(cycles) * advance)
+    turn = 2 * arb.pi() * (1 if written.speed > 0 else -1)
+    advance = turn if written.end is None else arb(written.end) - written.start
+    return lambda cycles: _passing(written, written.start + ball(cycles) * advance)
 
 
-def _spline(drive: MotionLaw) -> Law:
+def _spline(written: MotionLaw) -> Law:
     """A cubic spline through a table.
 
     Over the step of h from y, M to z, N, with the shares a = 1 - b and b of the step before and behind the instant, the
     position is a y + b z + ((a^3 - a) M + (b^3 - b) N) h^2 / 6. Each period adds what the table gains.
     """
-    times, positions = [*map(Fraction, drive.times)], [*map(arb, drive.positions)]
+    times, positions = [*map(Fraction, written.times)], [*map(arb, written.positions)]
     steps = [ball(late - early) for early, late in pairwise(times)]
     chords = [(z - y) / h for (y, z), h in zip(pairwise(positions), steps, strict=True)]
-    bends = second_derivatives(steps, chords, periodic=drive.periodic)
+    bends = second_derivatives(steps, chords, periodic=written.periodic)
 
     def at(cycles: Fraction) -> Command:
-        periods, share = divmod(cycles, 1) if drive.periodic else (0, cycles)
+        periods, share = divmod(cycles, 1) if written.periodic else (0, cycles)
         time = share * times[-1]
         i = min(bisect_right(times, time), len(steps)) - 1
         h, (y, z), (M, N) = steps[i], positions[i : i + 2], bends[i : i + 2]
@@ -109,18 +109,20 @@ def _spline(drive: MotionLaw) -> Law:
     return at
 
 
-def _segments(drive: SegmentedLaw) -> Law:
+def _segments(written: SegmentedLaw) -> Law:
     """Segments in a row; on a boundary, or so near to one, the later segment's."""
-    ends = [*accumulate(map(Fraction, drive.durations), initial=Fraction(0))]
-    positions = [*accumulate(drive.ends, lambda here, end: here if end is None else arb(end), initial=arb(drive.start))]
+    ends = [*accumulate(map(Fraction, written.durations), initial=Fraction(0))]
+    positions = [
+        *accumulate(written.ends, lambda here, end: here if end is None else arb(end), initial=arb(written.start))
+    ]
     hair = Fraction(SAME_INSTANT) * ends[-1]
 
     def at(cycles: Fraction) -> Command:
-        periods = (cycles + Fraction(SAME_INSTANT)) // 1 if drive.periodic else 0
+        periods = (cycles + Fraction(SAME_INSTANT)) // 1 if written.periodic else 0
         time = (cycles - periods) * ends[-1]
         last = bisect_right(ends, time + hair) - 1
-        i = min(last, len(drive.laws) - 1)
-        law, within, (here, there) = drive.laws[i], ends[i + 1] - ends[i], positions[i : i + 2]
+        i = min(last, len(written.laws) - 1)
+        law, within, (here, there) = written.laws[i], ends[i + 1] - ends[i], positions[i : i + 2]
         time = ends[last] if abs(time - ends[last]) <= hair else time
         start = here + periods * (positions[-1] - positions[0])
         way = _way(law, (time - ends[i]) / within, ball(1 / within)) if law else _series(arb(0), arb(0))
@@ -136,14 +138,14 @@ def _way(law: str, x: Fraction, pace: arb) -> arb_series:
     return arb_series(formula(_series(ball(x), pace), arb.pi()))
 
 
-def _sines(drive: HarmonicLaw) -> Law:
+def _sines(written: HarmonicLaw) -> Law:
     """A sum of sines, of frequencies as they are written."""
-    frequencies = [Fraction(str(frequency)) for frequency in drive.frequencies]
+    frequencies = [Fraction(str(frequency)) for frequency in written.frequencies]
     period = Fraction(lcm(*(f.denominator for f in frequencies)), gcd(*(f.numerator for f in frequencies)))
-    sines = [*zip(map(arb, drive.amplitudes), frequencies, map(arb, drive.phases), strict=True)]
+    sines = [*zip(map(arb, written.amplitudes), frequencies, map(arb, written.phases), strict=True)]
 
     def at(cycles: Fraction) -> Command:
-        time, position = cycles * period, _series(arb(drive.middle), arb(0))
+        time, position = cycles * period, _series(arb(written.middle), arb(0))
         for size, f, phase in sines:
             position += size * (2 * arb.pi() * _series(ball(f * time % 1), ball(f)) + phase).sin()
         return _command(time, position)

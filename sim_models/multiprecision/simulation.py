@@ -60,7 +60,7 @@ def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> d
     that of any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
     """
     scene = linkage.scene
-    pace = scene.drive.peak_rate / (1 if scene.driven_slide is None else np.ptp(scene.drive.extent))
+    pace = scene.drive.law.peak_rate / (1 if scene.drive.slide is None else np.ptp(scene.drive.law.extent))
     levels = ([_radii(solution[level]) for solution in solutions] for level in range(3))
     motion = [np.max(radii / np.array(linkage.units)) / pace**order for order, radii in enumerate(levels)]
     errors = {"constraints": float(np.max(motion))}
@@ -119,7 +119,7 @@ class MultiprecisionSimulation:
         continuation = Continuation(linkage, digits, budget)
         solutions, self._rows, q = list[Solution](), [], self._start
         with ctx.workdps(digits):
-            for number, command in enumerate(commands(linkage.scene.drive, linkage.law, self._request), start=1):
+            for number, command in enumerate(commands(linkage.scene.drive.law, linkage.law, self._request), start=1):
                 budget.task = f"sample {number} of {self._request.count}"
                 goal = linkage.drive(float(command.position))  # the drive's channel is where the pose is
                 q = continuation.follow(q, goal)

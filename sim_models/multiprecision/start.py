@@ -31,7 +31,7 @@ def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
     """Return the pose at the drive's start, shape (3 bodies, 1); Failure as of `Continuation.follow`."""
     scene = linkage.scene
     begin, sketched = linkage.law(Fraction(0)).position, scene.sketch.drive
-    if scene.driven_slide is None:
+    if scene.drive.slide is None:
         way = [float(linkage.law(Fraction(k, INSTANTS)).position) for k in range(INSTANTS + 1)]
         low, high = min(way), max(way)
         # Past either end of its range a crank may lock; one that turns fully goes the short way round to the start.
@@ -61,8 +61,8 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
         if slide.on != GROUND and total[name] == 0:
             total |= dict.fromkeys(scene.aligned[name], turn_of_guide(linkage, name, position))
     angle = {name: 0.0 if GROUND in scene.aligned[name] else float(np.angle(total[name])) for name in own}
-    if scene.driven_slide is None:
-        angle |= dict.fromkeys(scene.aligned[scene.drive.body], angle.get(scene.drive_on, 0.0) + position)
+    if scene.drive.slide is None:
+        angle |= dict.fromkeys(scene.aligned[scene.drive.body], angle.get(scene.drive.on, 0.0) + position)
     q = arb_mat(3 * len(linkage.index), 1)
     for name, i in linkage.index.items():
         r = at[name].mean() - np.exp(1j * angle[name]) * own[name].mean()

@@ -137,7 +137,7 @@ class PinocchioSystem(System):
             at, force, moment = bodies[name].place(first), 1j * bodies[carrier].turn * along * next(rows), next(rows)
             yield from (Wrench(name, at, force, moment), Wrench(carrier, at, -force, -moment))
         driven, effort = self.scene.drive.body, next(rows)
-        if self.scene.driven_slide is None:
+        if self.scene.drive.slide is None:
             yield Wrench(driven, 0j, 0j, effort)
         else:
             yield Wrench(driven, bodies[driven].place(self.guides[driven].first), self.guides[driven].along * effort)

@@ -42,7 +42,7 @@ def with_rates_of_law(linkage: LinkageConstraints, time: Samples, motion: Motion
     first order in dt. What the driven body lacks by that moves all bodies in the ratio dq/dp, p the drive's position:
     the solution of J dq/dp = (0, ..., 0, 1). Errors in dt^2 are left, from the rates in the steps around the knot.
     """
-    q, law = motion.q, linkage.scene.drive.at(time)
+    q, law = motion.q, linkage.scene.drive.law.at(time)
     J = linkage.jacobian(q)
     of_drive = J[:, -1].reshape(q.shape)
     ratio = solved(J, np.broadcast_to(np.eye(J.shape[-1])[-1], J.shape[:2]))
@@ -58,9 +58,9 @@ def with_rates_of_law(linkage: LinkageConstraints, time: Samples, motion: Motion
 def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
     """The drive's acceleration where that of all coordinates is zero, shape (n,): of a bar that turns."""
     scene = linkage.scene
-    if scene.driven_slide is None or scene.drive_on == GROUND:
+    if scene.drive.slide is None or scene.drive.on == GROUND:
         return np.zeros(len(motion.q))
-    ends = (scene.drive.body, linkage.first_arm(scene.drive.body)), (scene.drive_on, linkage.back_end)
+    ends = (scene.drive.body, linkage.first_arm(scene.drive.body)), (scene.drive.on, linkage.back_end)
     first, end = (np.array(motion.of_point(linkage.index[name], arm)) for name, arm in ends)
     _, bar, rate, acceleration = first - end
     squared = (np.conj(bar) * acceleration + (np.conj(bar) * rate).imag ** 2 / np.abs(bar) ** 2).real

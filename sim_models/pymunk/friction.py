@@ -61,7 +61,7 @@ def with_friction(
 ) -> dict[str, Samples]:
     """All force channels, shape (n,), from those without friction; minus infinity where the linkage jams."""
     # Closed to round-off, so that it is known on what side of a reversal a sample is.
-    q, rate = closed(linkage, q), linkage.scene.drive.at(time).rate
+    q, rate = closed(linkage, q), linkage.scene.drive.law.at(time).rate
     free, joints = np.stack([*reactions.values()], axis=1), RubbingJoints(linkage)
     found = [_solved(linkage, joints, q[rows], rate[rows], free[rows]) for rows in blocks(q)]
     names = force_channels(linkage.scene) + friction_channels(linkage.scene)

@@ -53,7 +53,7 @@ Masses: TypeAlias = Callable[[Scene, Mapping[str, PymunkBody]], Inertias]
 def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
     """Tell whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses."""
     # So does a drive between moving bodies, which may have no mass of their own.
-    return request.wants_forces(scene) and not settings.fictitious and scene.drive_on == GROUND
+    return request.wants_forces(scene) and not settings.fictitious and scene.drive.on == GROUND
 
 
 def masses_of(scene: Scene, settings: PymunkSettings, request: Request) -> Masses:
@@ -95,7 +95,7 @@ def held(scene: Scene) -> dict[str, Pin]:
 
 def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Choose masses with which sweeps converge fast; the largest is 1 kg divided by RATIO."""
-    chosen = {scene.drive.body: _driven(scene, rigids)} if scene.drive_on == GROUND else {}
+    chosen = {scene.drive.body: _driven(scene, rigids)} if scene.drive.on == GROUND else {}
     scale = 1.0
     for group in assur_groups(scene):
         earlier, light = {GROUND, *chosen}, AMONG_ITS_OWN if scene.drive.body in group else RATIO
@@ -124,8 +124,8 @@ def assur_groups(scene: Scene) -> Iterator[list[str]]:
     joints = [(pin.first, pin.second) for pin in scene.pins]
     joints += [(name, slide.on) for name, slide in scene.slides.items()]
     pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
-    pattern.append([*columns[scene.drive_on], *columns[scene.drive.body]])
-    bodies, prescribed = [*scene.bodies], scene.drive.body if scene.drive_on == GROUND else None
+    pattern.append([*columns[scene.drive.on], *columns[scene.drive.body]])
+    bodies, prescribed = [*scene.bodies], scene.drive.body if scene.drive.on == GROUND else None
     for block in groups(pattern):
         together = {column // 3 for column in block.columns}
         if named := [bodies[i] for i in sorted(together) if bodies[i] != prescribed]:
@@ -136,7 +136,7 @@ def _driven(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia:
     """Prescribe the driven body's motion: a crank's about its pivot on the ground, about which pymunk turns it."""
     body = rigids[scene.drive.body]
     pivots = [place for point, place in body.points.items() if point in scene.ground]
-    return Inertia(pivots[0] if scene.driven_slide is None else body.com, inf, inf)
+    return Inertia(pivots[0] if scene.drive.slide is None else body.com, inf, inf)
 
 
 def _movable(scene: Scene, inertias: Inertias, rigids: Mapping[str, PymunkBody]) -> Inertias:

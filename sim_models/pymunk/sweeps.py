@@ -32,7 +32,7 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps reduce them.
     """
     rho = max(contractions(*begun(scene, masses_of(scene, settings, Sampling()))))
-    return sweeps_needed(rho, 1 / (1 + settings.corrected(scene.drive.cycle / settings.steps)))
+    return sweeps_needed(rho, 1 / (1 + settings.corrected(scene.cycle / settings.steps)))
 
 
 @lru_cache(SCENES)
@@ -56,10 +56,10 @@ def sweeps_needed(rho: float, left: float) -> float:
 
 def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float]:
     """Yield rho at places of the drive through its whole range; `pose` is that at its start."""
-    drive = linkage.scene.drive
+    law = linkage.scene.drive.law
     yield contraction(linkage, pose)
-    for end in drive.extent:
-        yield from (contraction(linkage, q) for _, q in way(linkage, pose, drive.start, end))
+    for end in law.extent:
+        yield from (contraction(linkage, q) for _, q in way(linkage, pose, law.start, end))
 
 
 def contraction(linkage: LinkageConstraints, q: PoseArray) -> float:

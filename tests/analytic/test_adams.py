@@ -11,5 +11,5 @@ TORQUES = {0.055: 65.77456, 0.805: 4.733286, 1.555: -57.14815, 2.305: 2.401347, 
 def test_torques_of_a_swinging_four_bar() -> None:
     scene = scene_files.load("adams_four_bar")
     time = np.array([*TORQUES])
-    off = analytic.solve(scene, scene.drive.at(time).position, time)["drive.torque"] - [*TORQUES.values()]
+    off = analytic.solve(scene, scene.drive.law.at(time).position, time)["drive.torque"] - [*TORQUES.values()]
     assert np.abs(off).max() <= 2e-5  # of its seven or eight digits

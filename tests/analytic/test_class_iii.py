@@ -1,7 +1,6 @@
 """Groups that hold no dyad, solved by Newton's method: against arbitrary precision, and against the closed form."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -49,7 +48,7 @@ def test_dyads_as_one_group(name: str, kept: int) -> None:
     """
     scene = scene_files.load(name)
     scene = flipped(scene, *FLIPPED[name]) if kept else scene
-    position = np.linspace(*scene.drive.extent, 720, endpoint=False)
+    position = np.linspace(*scene.drive.law.extent, 720, endpoint=False)
     by_newton = prepared(scene, as_one_group(scene, kept))(position)
     scale = uncertified(scene).scale
     for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
@@ -136,14 +135,14 @@ def test_a_branch_of_more_than_a_turn_ends_where_it_ends(start: int, status: Sta
     """At the ends' angles there are two poses each, and a turn of the crank does not lead from one to the other."""
     scene = scene_files.load("stephenson_iii", {"drive.start": start})
     with pytest.raises(Failure, match=why) as caught:
-        analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 73)))
+        analytic.solve(scene, scene.drive.law.after(np.linspace(0, 1, 73)))
     assert caught.value.status is status
 
 
 @pytest.mark.parametrize(("start", "end"), [(-50, 60), (320, 200), (-30, 320)])
 def test_on_a_part_of_such_a_branch(start: int, end: int) -> None:
     scene = scene_files.load("stephenson_iii", {"drive.start": start, "drive.end": end, "drive.speed": end - start})
-    position = scene.drive.after(np.linspace(0, 1, 50))
+    position = scene.drive.law.after(np.linspace(0, 1, 50))
     motion, expected = analytic.solve(scene, position), absolute_coordinates.solve(scene, position, 1.0, 0.0)
     for channel in ("A.x", "B.y", "D.x", "D.y"):
         assert np.abs(motion[channel] - expected[channel]).max() <= 1e-12, channel  # roundings
@@ -164,10 +163,10 @@ def test_on_part_of_a_turn_the_angle_does_tell(
 ) -> None:
     """The sketch, at 60 degrees, is within the part, at its end, or outside, in whatever turn."""
     ends = np.radians([start, end]).tolist()
-    drive = ConstantSpeed("crank", 1.0 if end > start else -1.0, *ends)
+    drive = ConstantSpeed(1.0 if end > start else -1.0, *ends)
     position = drive.after(np.linspace(0, 1, 60))
     expected = solve(position)
     monkeypatch.setattr(continuation, "SAME", -1.0)
-    motion = analytic.solve(replace(class_iii, drive=drive), position)
+    motion = analytic.solve(class_iii.with_law(drive), position)
     for channel in ("D.x", "plate.angle", "C.y"):
         assert np.abs(motion[channel] - expected[channel]).max() <= 1e-14, channel  # from other poses, roundings

@@ -39,8 +39,8 @@ def assert_same(found: Motion | analytic.Machines, expected: Motion | analytic.M
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_straight_line_of_every_scene(name: str) -> None:
     scene = scenes.load(name)
-    time = np.linspace(0, scene.drive.cycle, 61)
-    position = scene.drive.at(time).position
+    time = np.linspace(0, scene.cycle, 61)
+    position = scene.drive.law.at(time).position
     channels = set(known(scene))
     line = analytic.fast_solver(scene, channels, compiled=False)
     assert_same(line(position, time), analytic.solve(scene, position, time, channels))

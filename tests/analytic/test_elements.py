@@ -158,7 +158,7 @@ def test_whole_turns_count_from_the_start_wherever_a_law_goes() -> None:
     changes = {"drive.law": law, "drive.speed": None} | twisted("A", "crank", "coupler")
     scene = machine(changes)
     time = np.linspace(0, 2, 400)
-    driven = scene.drive.at(time)
+    driven = scene.drive.law.at(time)
     m = analytic.solve(scene, driven.position, time)
     bare = analytic.solve(replace(scene, torsion_springs=()), driven.position, time)
     off = (m["drive.torque"] - bare["drive.torque"]) * driven.rate + power_of_twist(bare, "crank", "coupler")

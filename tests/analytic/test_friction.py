@@ -75,7 +75,7 @@ def test_nothing_rubs_where_the_drive_dwells() -> None:
     """The crank waits from 0.5 to 0.7 s: no friction there, and the forces are those without any; before, others."""
     plain = scene_files.load("swinging_segments")
     scene, time = everywhere(plain), np.array([0.1, 0.3, 0.55, 0.65])
-    motion, without = (analytic.solve(of, of.drive.at(time).position, time) for of in (scene, plain))
+    motion, without = (analytic.solve(of, of.drive.law.at(time).position, time) for of in (scene, plain))
     assert all((motion[channel][2:] == 0).all() for channel in friction_channels(scene))
     assert all((motion[channel][2:] == without[channel][2:]).all() for channel in force_channels(plain))
     assert (motion["friction.power"][:2] < 0).all()

@@ -26,7 +26,7 @@ def test_the_error_is_the_same_in_every_turn(name: str) -> None:
     position = Sampling(8, 10_000).commanded(scene)
     for turn in (0, 9_999):
         there = position[8 * turn : 8 * turn + 9].tolist()
-        near = replace(scene, drive=replace(scene.drive, start=there[0]))  # nobody follows it through all the turns
+        near = scene.with_law(replace(scene.drive.law, start=there[0]))  # nobody follows it through all the turns
         for channel, error in off_50_digits(uncertified(near), Positions(tuple(there))).items():
             assert error.max() <= 100 * EPS, (turn, channel)  # a few dozen roundings; which, is by chance
 
@@ -45,7 +45,7 @@ def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
     """The dyad as a group, against its closed form: the branch is followed through where it turns in no time."""
     scene = next(step for step in hard.ladder(name).rungs if step.label == label).scene()
     by_newton = as_one_group(scene)
-    least, most = scene.drive.extent
+    least, most = scene.drive.law.extent
     position = np.linspace(least, most, 3601)
     nearest = position[analytic.solve(scene, position)["B.to_lock"].argmin()]
     width = np.sqrt(float(label))  # rad, or so: where the lock is felt
@@ -63,7 +63,7 @@ def test_what_keeps_newton_on_its_branch(monkeypatch: pytest.MonkeyPatch, guard:
     """Without the sign of the determinant it ends on the other branch; without looking back it leaps over the lock."""
     scene = next(step for step in hard.ladder("lock_rrr_folded").rungs if step.label == "1e-7").scene()
     by_newton = as_one_group(scene)
-    position = np.linspace(*scene.drive.extent, 3601)
+    position = np.linspace(*scene.drive.law.extent, 3601)
     prepared(scene, by_newton)(position)
     monkeypatch.setattr(continuation, "STRIDE", 1)  # so that steps meet the lock where it can be leapt over
     prepared(scene, by_newton)(position)

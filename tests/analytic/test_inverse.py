@@ -84,11 +84,11 @@ def driven_as_told(scene: Scene, stroke: InverseStroke, moved: np.ndarray[tuple[
 def test_there_and_back_with_a_driven_slider() -> None:
     """The platen's own motion at a constant speed of the crosshead gives back that speed and where it was."""
     scene = scene_files.load("driven_toggle")
-    position = np.linspace(*scene.drive.extent, 41)[1:-1]
+    position = np.linspace(*scene.drive.law.extent, 41)[1:-1]
     motion = analytic.solve(scene, position)
     moved = np.array([motion["C.x"], motion["C.vx"], motion["C.ax"]])
     (stroke,) = analytic.inverse(scene, *moved)
-    assert (stroke.start, stroke.end) == scene.drive.extent
+    assert (stroke.start, stroke.end) == scene.drive.law.extent
     assert np.abs(stroke.position - position).max() <= 1e-14  # a rounding of 0.7 m, s' being 0.5 and more
     assert np.abs(stroke.rate + 0.15).max() <= 1e-13
     assert np.abs(stroke.acceleration).max() <= 1e-12
@@ -128,7 +128,7 @@ def test_a_law_that_turns_on_is_a_whole_turn() -> None:
     assert forth.end == back.start
     assert back.end == pytest.approx(forth.start + 2 * pi, abs=1e-13)  # a rounding of the angle
     for stroke in analytic.inverse(swinging, 0.3):
-        least, most = swinging.drive.extent
+        least, most = swinging.drive.law.extent
         assert least <= stroke.start <= stroke.end <= most
 
 

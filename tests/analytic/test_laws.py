@@ -56,7 +56,7 @@ def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.D
     known = data.draw(st.sampled_from((list(whole.samples), list(force_channels(scene)))))
     asked = data.draw(st.frozensets(st.sampled_from(known), min_size=1, max_size=3))
     time = instants(scene)
-    part = analytic.solve(scene, scene.drive.at(time).position, time, asked)
+    part = analytic.solve(scene, scene.drive.law.at(time).position, time, asked)
     assert set(part.samples) == asked | {"time", scene.drive_channel}
     for channel in part.samples:
         assert np.array_equal(part[channel], whole[channel]), channel
@@ -66,8 +66,8 @@ def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.D
 @given(linkages())
 def test_against_absolute_coordinates(scene: Scene) -> None:
     """Points and unit vectors, Newton's and Euler's equations of all bodies at once: nothing in common."""
-    time = np.linspace(0.003, 0.997, 13) * scene.drive.cycle  # off the ends, where a press force may go
-    driven = scene.drive.at(time)
+    time = np.linspace(0.003, 0.997, 13) * scene.cycle  # off the ends, where a press force may go
+    driven = scene.drive.law.at(time)
     expected = absolute_coordinates.solve(scene, *driven)
     assert_agree(scene, analytic.solve(scene, driven.position, time), expected | {"time": time})
 
@@ -77,7 +77,7 @@ def test_against_absolute_coordinates(scene: Scene) -> None:
 def test_closed_form_and_newton_agree(scene: Scene, first: int) -> None:
     """The last dyads as one larger group, on what the others have placed: no formula in common but the bodies' own."""
     linkage, time = as_one_group(scene, min(first, len(decompose(scene).groups) - 1)), instants(scene)
-    by_newton = prepared(scene, linkage)(scene.drive.at(time).position, time)
+    by_newton = prepared(scene, linkage)(scene.drive.law.at(time).position, time)
     motion = solve(scene)
     assert_agree(scene, by_newton, {c: motion[c] for c in channels(scene)})
 

@@ -35,8 +35,8 @@ def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
 def test_each_machine_is_as_one_of_a_file(name: str) -> None:
     """Every number of the file differs, and the drive's way, in another form of the arithmetic, is the same."""
     scene = scene_files.load(name)
-    time = np.linspace(0, scene.drive.cycle, 37)
-    position = scene.drive.at(time).position
+    time = np.linspace(0, scene.cycle, 37)
+    position = scene.drive.law.at(time).position
     changes = varied(scene, 1e-4)
     many = analytic.solve_many(scene, changes, position, time)
     for machine in range(COUNT):
@@ -168,15 +168,15 @@ def test_a_press_force_without_a_part_along_its_guide_is_refused() -> None:
 def test_a_speed_that_no_file_may_have_is_refused(name: str, end: float | None) -> None:
     """In the file's units, also where the drive stops; the other machines are solved."""
     scene = scenes.load(name)
-    drive = scene.drive
-    assert isinstance(drive, ConstantSpeed)
-    scene = replace(scene, drive=replace(drive, end=None if end is None else drive.start + np.radians(end)))
+    law = scene.drive.law
+    assert isinstance(law, ConstantSpeed)
+    scene = scene.with_law(replace(law, end=None if end is None else law.start + np.radians(end)))
     speeds = [60.0, 0.0, -60.0, np.nan, 60.0]
     with warnings.catch_warnings(action="error"):
         many = analytic.solve_many(scene, {"drive.speed": speeds}, [0.1])
     refused = {1: "a number other than zero, found 0", 3: "found nan"}
     if end is not None:
-        refused[2] = f"below 'start', {np.degrees(drive.start):g} deg, found {np.degrees(drive.start) + end:g} deg"
+        refused[2] = f"below 'start', {np.degrees(law.start):g} deg, found {np.degrees(law.start) + end:g} deg"
     for machine, (status, why) in enumerate(zip(many.status, many.reason, strict=True)):
         assert (status is Status.ok) == (machine not in refused), why
         assert refused.get(machine, "") in why

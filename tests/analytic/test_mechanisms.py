@@ -43,8 +43,8 @@ def flipped(scene: Scene, block: str, on: str) -> Scene:
 def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     """Return by channel how far the core is from absolute coordinates."""
     # off the ends of the cycle: none of them is on the switch of a press force
-    time = np.linspace(0.00137, 0.99871, 49) * scene.drive.cycle
-    driven = scene.drive.at(time)
+    time = np.linspace(0.00137, 0.99871, 49) * scene.cycle
+    driven = scene.drive.law.at(time)
     expected = absolute_coordinates.solve(scene, *driven, time)
     assert set(expected) == set(channels(scene)) - {"time"}
     return errors(solve(driven.position, time), expected)

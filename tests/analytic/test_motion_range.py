@@ -1,6 +1,5 @@
 """How far the drive moves until a dyad locks: by hand for each kind, to the last digits, and in words."""
 
-from dataclasses import replace
 from math import acos, asin, degrees, hypot, pi, radians, sin
 
 import numpy as np
@@ -157,7 +156,7 @@ def test_a_gap_narrower_than_the_grid() -> None:
     position = np.radians([10.0, 90.0])
     assert intervals(scene) != []  # the grid, of tenths of a degree, happens to meet 90 degrees
     assert "and from 1.5708" in reason(scene, position)
-    off = replace(scene, drive=ConstantSpeed("crank", 10.0, 1e-4, None))  # which moves the grid
+    off = scene.with_law(ConstantSpeed(10.0, 1e-4, None))  # which moves the grid
     assert intervals(off) == []
     assert "the crank turns freely but for gaps narrower than 0.001745 rad" in reason(off, position)
 

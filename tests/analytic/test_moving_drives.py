@@ -40,7 +40,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
 
 def way(scene: Scene, count: int = 25) -> Samples:
     """Positions along the drive's way but for its ends, rad or m."""
-    return np.linspace(*scene.drive.extent, count + 2)[1:-1]
+    return np.linspace(*scene.drive.law.extent, count + 2)[1:-1]
 
 
 def by_newton(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> Motion:
@@ -79,7 +79,7 @@ def test_the_drive_pays_for_the_energy(name: str, changes: dict[str, Any]) -> No
     h = 1e-4 * np.ptp(x)  # differences of fourth order: rounding and error are 1e-10 there
     change = 8 * (energy(scene, x + h) - energy(scene, x - h)) - (energy(scene, x + 2 * h) - energy(scene, x - 2 * h))
     motion = analytic.solve(scene, x)
-    effort = motion["drive.torque" if scene.driven_slide is None else "drive.force"]
+    effort = motion["drive.torque" if scene.drive.slide is None else "drive.force"]
     assert not (np.abs(effort - change / (12 * h)) > 1e-8 * np.abs(effort).max()).any()
 
 

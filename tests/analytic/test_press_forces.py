@@ -73,7 +73,7 @@ def test_a_stroke_ends_where_a_law_turns_back() -> None:
     law = [[0, 0.5], [0.3, 0.9], [0.7, 1.4], [1, 1.1]]
     scene = scene_files.load("slider_crank", pressed(50.0, law=law, speed=None))
     time = np.linspace(0, 1, 200_001)
-    furthest = scene.drive.at(time).position.max()
+    furthest = scene.drive.law.at(time).position.max()
     assert furthest > 1.4
     # The law's peak lies between two of ten thousand instants: its extent misses 1e-9 of a swing of one radian there.
     assert end_of_stroke(scene) == pytest.approx(x_of(furthest), abs=1e-8)
@@ -92,7 +92,7 @@ def test_a_stroke_of_nothing_but_a_larger_group(start: float, end: float) -> Non
         "drive.end": end,
     }
     scene = scene_files.load("slotted_class_iii", changes)
-    angle = np.linspace(*scene.drive.extent, 801)
+    angle = np.linspace(*scene.drive.law.extent, 801)
     furthest = analytic.solve(scene, angle)["E.x"].max()
     assert 0 <= end_of_stroke(scene) - furthest <= 1e-7  # a dead point between two angles: s'' h^2 / 8
 

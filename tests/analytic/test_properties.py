@@ -79,7 +79,7 @@ def renamed(scene: Scene, names: Mapping[str, str], order: list[str]) -> Scene:
         scene,
         ground={names[point]: v for point, v in scene.ground.items()},
         bodies={names[name]: body(scene.bodies[name]) for name in order},
-        drive=replace(scene.drive, body=names[scene.drive.body]),
+        drives=(replace(scene.drive, body=names[scene.drive.body], on=names.get(scene.drive.on, GROUND)),),
         loads=tuple(replace(load, body=names[load.body], at=names[load.at]) for load in scene.loads),
         springs=tuple(replace(of, first=place(of.second), second=place(of.first)) for of in scene.springs),
         sketch=replace(scene.sketch, points={names[point]: v for point, v in scene.sketch.points.items()}),

@@ -1,7 +1,6 @@
 """Singular poses between all samples are refused by name and place; where a linkage only comes near, it is solved."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from math import acos, cos, pi, radians, sin
 
@@ -96,7 +95,7 @@ def test_a_gap_that_the_search_meets_but_no_sample(dyad: str) -> None:
 def test_parallel_for_less_than_the_grid_of_the_range() -> None:
     """For 0.025 degrees, half way between two angles of that grid: no end of the range is seen, but what stops it."""
     scene = guides(-1e-6)
-    off = replace(scene, drive=ConstantSpeed("crank", 3.0, NEAREST - radians(17.45), None))
+    off = scene.with_law(ConstantSpeed(3.0, NEAREST - radians(17.45), None))
     with pytest.raises(Failure, match=r"but for gaps narrower than 0\.001745 rad \(the guides of block and slider"):
         analytic.solve(off, [NEAREST])
 

@@ -168,7 +168,7 @@ def test_the_longest_arm_may_be_a_guide_off_a_pin_or_the_way_of_a_drive() -> Non
     radial = {"bodies.crank.points": {"O": [0, 0]}, "bodies.block.slides.through": [0, 0]}
     slots = scene_files.load("tangent", {**radial, "sketch.T": None})
     assert decompose(slots).arm == pytest.approx(0.3 / np.hypot(1, 0.1), rel=1e-15)
-    least, most = scene_files.load("wedge_of_points").drive.extent
+    least, most = scene_files.load("wedge_of_points").drive.law.extent
     flat = {f"bodies.{body}.slides.through": [0, 0] for body in ("wedge", "block", "follower")}
     assert decompose(scene_files.load("wedge_of_points", flat)).arm == most - least
 

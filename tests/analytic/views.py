@@ -7,7 +7,7 @@ import numpy as np
 from scenes import Motion, Scene
 from scenes.fields import put, walk
 from scenes.model.motion import channels, quantity
-from scenes.scene import GROUND, Body, ConstantSpeed, Drive, Force, Load, MotionLaw, PressForce, Slide, Vector
+from scenes.scene import GROUND, Body, ConstantSpeed, DriveLaw, Force, Load, MotionLaw, PressForce, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy
 
@@ -39,7 +39,7 @@ class Change:
 
     def scene(self, scene: Scene) -> Scene:
         """Return the scene with all its numbers in the other units, and then seen from the other frame."""
-        length, mass, time, driven = self.length, self.mass, self.time, self.length if scene.driven_slide else 1.0
+        length, mass, time, driven = self.length, self.mass, self.time, self.length if scene.drive.slide else 1.0
         many = {"length": length, "mass": mass, "time": time, "force": self.force, "inertia": mass * length**2}
         many |= {"stiffness": mass / time**2, "gravity": length / time**2, "direction": 1.0}
         many |= {"position": driven, "speed": driven / time}
@@ -49,18 +49,18 @@ class Change:
             scene,
             ground={name: self.point(v) for name, v in scene.ground.items()},
             bodies={name: self.body(scene, body) for name, body in scene.bodies.items()},
-            drive=scene.drive if scene.driven_slide else self.drive(scene.drive),
+            drives=(scene.drive if scene.drive.slide else replace(scene.drive, law=self.law(scene.drive.law)),),
             loads=tuple(map(self.load, scene.loads)),
             gravity=scene.gravity and xy(self.vector(*scene.gravity)),
-            sketch=sketch if scene.driven_slide else replace(sketch, drive=self.angle(sketch.drive)),
+            sketch=sketch if scene.drive.slide else replace(sketch, drive=self.angle(sketch.drive)),
         )
 
-    def drive(self, drive: Drive) -> Drive:
-        if isinstance(drive, MotionLaw):
-            return replace(drive, positions=tuple(map(self.angle, drive.positions)))
-        assert isinstance(drive, ConstantSpeed)
-        end = None if drive.end is None else self.angle(drive.end)
-        return replace(drive, speed=self.mirror * drive.speed, start=self.angle(drive.start), end=end)
+    def law(self, law: DriveLaw) -> DriveLaw:
+        if isinstance(law, MotionLaw):
+            return replace(law, positions=tuple(map(self.angle, law.positions)))
+        assert isinstance(law, ConstantSpeed)
+        end = None if law.end is None else self.angle(law.end)
+        return replace(law, speed=self.mirror * law.speed, start=self.angle(law.start), end=end)
 
     def load(self, load: Load) -> Load:
         if load.kind == "force tables":

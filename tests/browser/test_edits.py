@@ -101,8 +101,8 @@ def copied(page: "Page", folder: Path) -> scenes.Scene:
 
 def turn(scene: scenes.Scene) -> tuple[Any, Any]:
     """Many positions of a cycle, and their instants."""
-    time = np.linspace(0, scene.drive.cycle, 100_001)
-    return scene.drive.at(time).position, time
+    time = np.linspace(0, scene.cycle, 100_001)
+    return scene.drive.law.at(time).position, time
 
 
 def test_the_peaks_of_a_press_by_a_law_are_between_the_samples(press: "tuple[scenes.Scene, Page]") -> None:
@@ -119,14 +119,14 @@ def test_the_machines_of_a_press_by_a_law_are_those_of_the_core(press: "tuple[sc
     scene, page = press
     page.locator("#bench [name=machines]").check()
     page.wait_for_function("document.querySelector('#bench .machines').textContent")
-    time = np.linspace(0, scene.drive.cycle, 73)
-    angle = analytic.solve_many(scene, draws(scene, 0, 0, 500), scene.drive.at(time).position, time)["rod.angle"]
+    time = np.linspace(0, scene.cycle, 73)
+    angle = analytic.solve_many(scene, draws(scene, 0, 0, 500), scene.drive.law.at(time).position, time)["rod.angle"]
     met = int((np.degrees(np.remainder(angle + np.pi, 2 * np.pi) - np.pi) <= -86.2939).all(axis=1).sum())
     assert 100 < met < 400
     assert f"{met} of them" in page.locator("#bench .machines").inner_text()
-    time = np.linspace(0, scene.drive.cycle, 4001)
+    time = np.linspace(0, scene.cycle, 4001)
     core = analytic.solve_many(
-        scene, draws(scene, 0, 0, 500), scene.drive.at(time).position, time, frozenset(["drive.torque"])
+        scene, draws(scene, 0, 0, 500), scene.drive.law.at(time).position, time, frozenset(["drive.torque"])
     )
     peaks = np.sort(np.abs(core["drive.torque"]).max(axis=1)) / 1e3
     low, high = map(shown, now(page, "Drive: torque")[4].split(" to "))
@@ -216,8 +216,8 @@ def test_a_damper_gets_a_stiffness(browser: "Browser", folder: Path) -> None:
 def test_machines_whose_friction_a_few_steps_do_not_balance_are_not_known(browser: "Browser", folder: Path) -> None:
     """The core solves all of them, and all meet the limit: the page has a least and a largest yield."""
     scene, path = written(folder, "scotch_yoke", YOKE)
-    time = np.linspace(0, scene.drive.cycle, 73)
-    core = analytic.solve_many(scene, draws(scene, 0, 0, 500), scene.drive.at(time).position, time)
+    time = np.linspace(0, scene.cycle, 73)
+    core = analytic.solve_many(scene, draws(scene, 0, 0, 500), scene.drive.law.at(time).position, time)
     assert core.ok.all()
     assert (core["T.x"] <= 0.32).all()
     for page in opened(browser, path):

@@ -55,7 +55,7 @@ def solved_in(page: "Page", scene: Scene, folder: Path, numbers: Samples) -> tup
     program = page_program(scene, position, time)
     assert program is not None
     named = [{"path": path, "value": value} for path, value in zip(program["numbers"], program["values"], strict=True)]
-    data = {**program, "numbers": named, "extent": scene.drive.extent, "demands": [], "wound": {}}
+    data = {**program, "numbers": named, "extent": scene.drive.law.extent, "demands": [], "wound": {}}
     script = resources("compare.report.bench").joinpath("program.js").read_text(encoding="utf-8")
     text = f"<!doctype html><meta charset=utf-8><body><script type=json id=data>{json.dumps(plain(data))}</script>"
     (folder / "page.html").write_text(text + STUB % (len(position), script), encoding="utf-8")
@@ -110,7 +110,7 @@ def test_the_page_has_the_numbers_of_the_core_after_edits(blank: "Page", tmp_pat
         numbers[:, chosen] *= factors
         paths = [program["numbers"][k] for k in chosen]
         changes = {p: numbers[:, k] / scene.size(scene.numbers[p]) for p, k in zip(paths, chosen, strict=True)}
-        steady = type(scene.drive).__name__ == "ConstantSpeed"
+        steady = type(scene.drive.law).__name__ == "ConstantSpeed"
         core = analytic.solve_many(scene, changes, position, None if steady else time)
         channels, rows, found = solved_in(blank, scene, tmp_path, numbers)
         for machine in np.flatnonzero(core.ok).tolist():

@@ -39,8 +39,8 @@ def test_a_shipped_scene_is_judged_as_by_the_command_line(
 def test_where_nothing_accelerates_and_no_force_acts() -> None:
     """Forces and accelerations are rounding, and are not held against each other; nor does a canary swap them."""
     wedge = scene_files.load("wedge")
-    drive = ConstantSpeed("wedge", speed=0.7, start=0.02, end=0.13)
-    scene = replace(wedge, drive=drive, gravity=None, loads=(), springs=())
+    law = ConstantSpeed(speed=0.7, start=0.02, end=0.13)
+    scene = replace(wedge.with_law(law), gravity=None, loads=(), springs=())
     result = compare.check(scene, samples=72)
     assert result.ok, result.missed
     assert result.reference.scale["F.fx"] == 1.0

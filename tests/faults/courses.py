@@ -92,7 +92,7 @@ def _breathing(clean: Clean) -> Iterator[Fault]:
                 wrong = registry.reference(longer)(clean.true[clean.drive], time)
             except Failure:
                 continue
-            breath = np.sin(2 * np.pi * time / scene.drive.cycle)
+            breath = np.sin(2 * np.pi * time / scene.cycle)
             off = {c: clean.motion[c] + breath * (wrong[c] - clean.true[c]) for c in clean.channels}
             change = partial(spoilt.replaced, clean.motion, off)
             yield Fault("breathing bar", "a length varies over the turn", by, Kind.length, name, change)

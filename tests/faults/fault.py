@@ -124,7 +124,7 @@ def above(fault: Fault, clean: Clean, motion: Motion) -> bool:
     assert settings is not None
     if not np.array_equal(motion["time"], clean.motion["time"]):
         return True
-    travel = 1.0 if clean.scene.driven_slide is None else float(np.ptp(clean.scene.drive.extent))
+    travel = 1.0 if clean.scene.drive.slide is None else float(np.ptp(clean.scene.drive.law.extent))
     off = np.abs(motion[clean.drive] - clean.sampling.commanded(clean.scene)).max() / travel
     if not off <= settings.drive_promise * max(1.0, float(np.ptp(clean.true[clean.drive])) / travel):
         return True

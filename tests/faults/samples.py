@@ -63,24 +63,24 @@ def times(clean: Clean) -> Iterator[Fault]:
     yield fault("a row repeated with its instant", 1, orders["a row repeated"][0], None, Kind.held)
     yield fault("two rows swapped with their instants", 1, orders["two rows swapped"][0], None, Kind.rows)
     for share in (1e-3, 1e-6):
-        change = partial(spoilt.shifted, motion, {"time": share * clean.scene.drive.cycle})
+        change = partial(spoilt.shifted, motion, {"time": share * clean.scene.cycle})
         yield Fault("time", "other instants than asked for", share, Kind.lag, "all", change)
 
 
 def _late_by_a_little(clean: Clean) -> Iterator[Fault]:
     """Yield the motion as it was a moment before, by the reference: with the drive, without it, the drive alone."""
     scene, motion = clean.scene, clean.motion
-    rate = scene.drive.peak_rate
-    step = scene.drive.cycle / clean.sampling.samples
-    travel = 1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent))
+    rate = scene.drive.law.peak_rate
+    step = scene.cycle / clean.sampling.samples
+    travel = 1.0 if scene.drive.slide is None else float(np.ptp(scene.drive.law.extent))
     lags = {"3 degrees": radians(3) * travel / rate, "1e-3 rad": 1e-3 * travel / rate, "half a sample": step / 2}
-    lags |= {"1e-5 of a cycle": 1e-5 * scene.drive.cycle, "1e-8 of a cycle": 1e-8 * scene.drive.cycle}
+    lags |= {"1e-5 of a cycle": 1e-5 * scene.cycle, "1e-8 of a cycle": 1e-8 * scene.cycle}
     for name, by in lags.items():
         for sign, how in ((1, "late"), (-1, "early")):
             instants = clean.sampling.times(scene) - sign * by
-            if not scene.drive.periodic:
-                instants = np.clip(instants, 0.0, scene.drive.cycle)
-            position = scene.drive.at(instants).position
+            if not scene.periodic:
+                instants = np.clip(instants, 0.0, scene.cycle)
+            position = scene.drive.law.at(instants).position
             try:
                 then = clean.reference.at(position, instants)
             except Failure:
@@ -161,7 +161,7 @@ def solutions(clean: Clean) -> Iterator[Fault]:
 
 
 def _coarse(clean: Clean) -> Iterator[Fault]:
-    motion, step = clean.motion, clean.scene.drive.cycle / clean.sampling.samples
+    motion, step = clean.motion, clean.scene.cycle / clean.sampling.samples
 
     def fault(kind: str, size: float, cause: Kind, samples: Mapping[str, Samples]) -> Fault:
         return Fault("solver", kind, size, cause, common(samples), partial(spoilt.replaced, motion, samples))
@@ -186,7 +186,9 @@ def _coarse(clean: Clean) -> Iterator[Fault]:
     }
     if smooth:
         yield fault("smoothed", 1, Kind.solver, smooth)
-    for body in clean.some(clean.stems(*OF_BODIES[1:]), "free") if isinstance(clean.scene.drive, ConstantSpeed) else ():
+    for body in (
+        clean.some(clean.stems(*OF_BODIES[1:]), "free") if isinstance(clean.scene.drive.law, ConstantSpeed) else ()
+    ):
         quiet = partial(spoilt.scaled, motion, [f"{body}.alpha"], 0.0)
         yield Fault("solver", "an angular acceleration left out", 1, Kind.constant, body, quiet)
 

@@ -160,19 +160,19 @@ def rescaled(scene: Scene, by: float) -> Scene:
 
 def drives(clean: Clean) -> Iterator[Fault]:
     """Yield drives that ask for something else, which are late or fast."""
-    scene, drive = clean.scene, clean.scene.drive
+    scene, law = clean.scene, clean.scene.drive.law
 
     def fault(kind: str, by: float, *changed: Any) -> Fault:
-        return Fault("time", kind, by, Kind.drive, "drive", scene=put(scene, {("drive", *changed[:-1]): changed[-1]}))
+        return Fault("time", kind, by, Kind.drive, "drive", scene=scene.with_law(put(law, {changed[:-1]: changed[-1]})))
 
     for by in (0.01, 1e-4, 1e-7):
-        if isinstance(drive, ConstantSpeed):
-            yield fault("another speed of the drive", by, "speed", (1 + by) * drive.speed)
-            if scene.driven_slide is None:
-                other = put(scene, {("drive", "start"): drive.start + by})  # at one speed the same as a lag
+        if isinstance(law, ConstantSpeed):
+            yield fault("another speed of the drive", by, "speed", (1 + by) * law.speed)
+            if scene.drive.slide is None:
+                other = scene.with_law(replace(law, start=law.start + by))  # at one speed the same as a lag
                 yield Fault("time", "another start of the drive", by, Kind.lag, "all", scene=other)
         else:
-            entries = [number for number in walk(drive) if number.quantity.dimension == "position"]
+            entries = [number for number in walk(law) if number.quantity.dimension == "position"]
             middle = entries[len(entries) // 2]
             yield fault("another entry of the law", by, *middle.at, middle.value + by)
 

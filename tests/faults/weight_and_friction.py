@@ -51,8 +51,8 @@ def friction(clean: Clean) -> Iterator[Fault]:
     effort = next(name for name in motion.samples if name in ("drive.torque", "drive.force"))
     peak = clean.reference.scale[effort]
     grounded = [name for name, body in scene.bodies.items() if body.slide is not None and body.slide.on == "ground"]
-    rate = scene.drive.at(motion["time"]).rate
-    turns_on = scene.driven_slide is None and np.all(rate != 0)
+    rate = scene.drive.law.at(motion["time"]).rate
+    turns_on = scene.drive.slide is None and np.all(rate != 0)
 
     def of_drive(kind: str, by: float, place: str, more: Samples) -> Fault:
         spoil = partial(spoilt.replaced, motion, {effort: motion[effort] + more})
@@ -70,7 +70,7 @@ def friction(clean: Clean) -> Iterator[Fault]:
             pair = (PressForce(name, body.points[0], (-sign * x, -sign * y), always, sign) for sign in (1, -1))
             spoilt_scene = replace(scene, loads=(*scene.loads, *pair))
             yield Fault("friction", "dry friction at a guide", by, Kind.friction, name, scene=spoilt_scene)
-        yield of_drive("viscous friction in the drive", by, "drive", by * peak * rate / scene.drive.peak_rate)
+        yield of_drive("viscous friction in the drive", by, "drive", by * peak * rate / scene.drive.law.peak_rate)
         yield of_drive("dry friction in the drive", by, "drive", by * peak * np.sign(rate))
         for name in clean.some(grounded, f"viscous {by}") if turns_on else ():
             _, v = clean.state.displacement(scene.bodies[name])

@@ -20,7 +20,7 @@ from .designs import some_designs
 
 def solved(scene: Scene, d: Design, alpha: Array) -> Motion:
     position = 1e-3 * formulas.crosshead(formulas.at(d, alpha))
-    return analytic.solve(scene, position, (position - scene.drive.start) / 0.1)
+    return analytic.solve(scene, position, (position - scene.drive.law.start) / 0.1)
 
 
 def multiplied(scene: Scene, d: Design) -> float:
@@ -41,7 +41,7 @@ def test_formulas_are_the_motion_of_the_shipped_scene(name: str) -> None:
     alpha = np.linspace(d.alpha_max, 0.0, 501)
     motion, pose = solved(scene, d, alpha), formulas.at(d, alpha)
     assert (
-        np.abs(1e3 * np.array(scene.drive.extent) - formulas.crosshead(pose)[[0, -1]]).max() <= 1e-12
+        np.abs(1e3 * np.array(scene.drive.law.extent) - formulas.crosshead(pose)[[0, -1]]).max() <= 1e-12
     )  # mm; as many digits
     assert (motion["D.x"] > motion["E.x"]).all()  # E is on the tail side of D throughout
     assert np.abs(1e3 * motion["C.x"] - formulas.platen(pose)).max() <= 1e-11  # mm, rounding
@@ -58,7 +58,7 @@ def test_formulas_are_the_motion_of_any_design(number: int) -> None:
     d = Design(*(values[number] for values in some_designs(3)))
     scene = locking(d)
     motion = solved(scene, d, np.array([d.alpha_max, 60 * DEGREE, RATED, 0.0]))
-    ratio = (motion["C.x"][-1] - motion["C.x"][0]) / (scene.drive.extent[1] - scene.drive.extent[0])
+    ratio = (motion["C.x"][-1] - motion["C.x"][0]) / (scene.drive.law.extent[1] - scene.drive.law.extent[0])
     assert abs(ratio - measure("R_S", d)) <= 1e-13
     assert abs(motion["E.vx"][2] / motion["C.vx"][2] - measure("M_P", d)) <= 1e-11  # of 20, rounding near the lock
     assert abs(multiplied(scene, d) - measure("M_P", d)) <= 1e-11

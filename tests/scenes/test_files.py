@@ -162,7 +162,7 @@ def test_no_units_of_length(unit: str) -> None:
 def test_units_of_length(unit: str, metres: float) -> None:
     scene = scenes.load("toggle_press", {"units.length": unit, "units.angle": "°", "drive.start": 90})
     assert scene.ground["P1"][0] == pytest.approx(404.709 * metres, rel=1e-15)
-    assert scene.drive.start == pytest.approx(pi / 2, rel=1e-15)
+    assert scene.drive.law.start == pytest.approx(pi / 2, rel=1e-15)
 
 
 def test_the_usual_units_are_what_pint_takes_them_for() -> None:

@@ -74,10 +74,10 @@ def test_part_of_a_turn_keeps_clear_of_a_change_point() -> None:
     """The kite's is at 0 deg; without it, and on the way back from beyond it, there is one motion."""
     (rung,) = (rung for rung in hard.ladder("kite_passed").rungs if rung.label == "0.5 deg")
     scene = rung.scene()
-    assert isinstance(scene.drive, ConstantSpeed)
-    away = replace(scene, drive=replace(scene.drive, start=np.radians(30), end=np.radians(330)))
+    assert isinstance(scene.drive.law, ConstantSpeed)
+    away = scene.with_law(replace(scene.drive.law, start=np.radians(30), end=np.radians(330)))
     assert run("analytic", away, Sampling(360)).status is Status.ok
-    across = replace(scene, drive=replace(scene.drive, start=np.radians(-30.3), end=np.radians(30)))
+    across = scene.with_law(replace(scene.drive.law, start=np.radians(-30.3), end=np.radians(30)))
     crossing = run("analytic", across, Sampling(360))
     assert crossing.status is Status.cannot_assemble
     assert "two ways of assembling the bodies meet at crank angle 0.0000 deg" in crossing.reason.replace("-0.0", "0.0")
@@ -125,8 +125,8 @@ def test_the_sketch_is_exact_but_for_what_is_said(name: str, link: float) -> Non
     """The nearest rung is off by 1e-12 of the link's length, m; rounding leaves 2e-16."""
     rung = hard.ladder(name).rungs[0]
     scene = rung.scene()
-    assert isinstance(scene.drive, ConstantSpeed)
-    there = replace(scene, drive=replace(scene.drive, start=scene.sketch.drive))
+    assert isinstance(scene.drive.law, ConstantSpeed)
+    there = scene.with_law(replace(scene.drive.law, start=scene.sketch.drive))
     drawn = motion_of(run("analytic", there, Sampling(1)))
     off = [np.hypot(drawn[f"{p}.x"][0] - x, drawn[f"{p}.y"][0] - y) for p, (x, y) in scene.sketch.points.items()]
     assert rung.label == "1e-12"
@@ -140,7 +140,7 @@ def test_the_slider_stands_still_at_its_dead_points(name: str) -> None:
         scene, motion = rung.scene(), motion_of(solved(rung))
         v, a = motion[f"{scene.output}.vy"], motion[f"{scene.output}.ay"]
         off = float(rung.label.split()[2]) if rung.label.endswith("deg") else 0.0
-        expected = abs(a[0]) * np.radians(off) / scene.drive.peak_rate
+        expected = abs(a[0]) * np.radians(off) / scene.drive.law.peak_rate
         # 1e-14 by rounding of an angle of 5 rad; the next term of the series is 1e-3 deg times a number of order one
         assert abs(v[0]) == pytest.approx(expected, rel=1e-4, abs=1e-14 * np.abs(v).max())
 

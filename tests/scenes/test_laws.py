@@ -23,13 +23,13 @@ ROUNDED = 2e-14  # of ways and times of a few units, and their derivatives
 
 def segments(law: str, *, periodic: bool, gain: float = 0.0) -> SegmentedLaw:
     """To 2 in half a second, a dwell of 0.1, and back in 0.3: boundaries that no double is."""
-    return SegmentedLaw("crank", 0.0, (2.0, None, gain), (0.5, 0.1, 0.3), (law, None, law), periodic)
+    return SegmentedLaw(0.0, (2.0, None, gain), (0.5, 0.1, 0.3), (law, None, law), periodic)
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_peaks_of_rate_and_acceleration(name: str) -> None:
     rate, acceleration, _ = PEAKS[name]
-    law = SegmentedLaw("crank", 1.0, (-3.0,), (0.5,), (name,), periodic=False)  # a way of 4 in half the time
+    law = SegmentedLaw(1.0, (-3.0,), (0.5,), (name,), periodic=False)  # a way of 4 in half the time
     driven = law.at(np.linspace(0, 0.5, 24001))  # where 84 / (5 sqrt 5) is, to a parabola's share of a step, squared
     assert abs(np.abs(driven.rate).max() / (8 * rate) - 1) <= ROUNDED
     assert abs(law.peak_rate / (8 * rate) - 1) <= ROUNDED
@@ -59,7 +59,7 @@ def test_rates_and_accelerations_are_integrated_to_the_way(name: str) -> None:
 @pytest.mark.parametrize("name", LAWS)
 def test_what_jumps_at_rest(name: str) -> None:
     """A way that goes as x^n begins with a jump of the n-th derivative."""
-    law = SegmentedLaw("crank", 0.0, (1.0,), (1.0,), (name,), periodic=False)
+    law = SegmentedLaw(0.0, (1.0,), (1.0,), (name,), periodic=False)
     for x, y in zip((0.01, 0.02), law.at([0.99, 0.98]).position, strict=True):
         assert abs(law.at(x).position + y - 1) <= 1e-15  # of one; the second half is the mirror image of the first
     small, twice = law.at([0.005, 0.01]).position
@@ -108,7 +108,7 @@ def test_sums_of_sines(
     sines: list[tuple[float, float, float]], multiples: tuple[int, ...], extent: tuple[float, float], peak: float
 ) -> None:
     """About 1; the cycle is the least common period of the frequencies as written, where 0.3 / 0.1 is no integer."""
-    law = HarmonicLaw("crank", 1.0, *zip(*sines, strict=True))
+    law = HarmonicLaw(1.0, *zip(*sines, strict=True))
     assert law.multiples == multiples
     assert np.abs(np.array(law.extent) - extent).max() <= ROUNDED
     assert abs(law.peak_rate - peak) <= ROUNDED * peak
@@ -122,6 +122,6 @@ def test_sums_of_sines(
 
 
 def test_frequencies_in_digits_as_written() -> None:
-    law = HarmonicLaw("crank", 0.0, (1.0, 1.0, 1.0), (0.1, 0.3, 0.7), (0.0, 0.0, 0.0))
+    law = HarmonicLaw(0.0, (1.0, 1.0, 1.0), (0.1, 0.3, 0.7), (0.0, 0.0, 0.0))
     assert (law.multiples, law.cycle) == ((1, 3, 7), 10.0)
     assert Fraction(0.3) / Fraction(0.1) != 3

@@ -91,7 +91,7 @@ def test_the_drive_lifts_what_weighs(machine: Machine, first: float, last: float
 def test_the_dump_truck_at_rest() -> None:
     """Before it is raised, with its load, and while it dwells, when that has slid out."""
     scene = scenes.load("dump_truck")
-    low, high = scene.drive.extent
+    low, high = scene.drive.law.extent
     angle = np.radians(np.linspace(0, 51, 5001))
     for way, time, load in ((low, 0.0, 60e3), (high, 18.0, 0.0)):
 
@@ -129,7 +129,7 @@ def test_dampers_take_the_shakers_power() -> None:
         return np.fft.irfft(2j * np.pi / 0.2 * np.arange(count // 2 + 1) * np.fft.rfft(periodic), count)
 
     taken = 400 * rate(length) ** 2 + np.degrees(0.02) * rate(angle) ** 2  # W
-    motion = analytic.solve(scene, scene.drive.at(time).position, time)
+    motion = analytic.solve(scene, scene.drive.law.at(time).position, time)
     given = motion["drive.force"] * rate(exciter.imag)
     assert abs(given.mean() / taken.mean() - 1) <= 1e-11  # sums over a cycle are exact but for round-off
     assert taken.mean() > 10  # W

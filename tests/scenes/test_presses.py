@@ -45,7 +45,7 @@ def stroke(press: Press) -> tuple[float, float]:
     def at(time: float, channel: str) -> float:
         return float(moving(scene, np.array([time]))[channel][0])
 
-    time = np.linspace(0, scene.drive.cycle, 361)
+    time = np.linspace(0, scene.cycle, 361)
     way = moving(scene, time)[press.position]
     lowest = int(way.argmin())
     velocity = f"{press.point}.v{press.axis}"
@@ -72,7 +72,7 @@ def test_servo_press_goes_down_fast_and_presses_slowly() -> None:
     assert (scene.ground, scene.bodies) == (plain.ground, plain.bodies)
     on_table = moving(scene, np.array([time for time, _ in SERVO_LAW]))["crank_angle"]
     assert np.abs(np.degrees(on_table) - [angle for _, angle in SERVO_LAW]).max() <= 1e-12  # deg, rounding
-    rate = np.degrees(scene.drive.at(np.linspace(0, 1, 10_001)).rate)
+    rate = np.degrees(scene.drive.law.at(np.linspace(0, 1, 10_001)).rate)
     assert 113 <= rate.min() <= rate.max() <= 638  # deg/s; as the head says, and never backwards
     met, end = stroke(press)
     there = moving(scene, np.array([met, end]))
@@ -90,7 +90,7 @@ def test_a_force_in_the_last_part_of_the_stroke_acts_there_and_nowhere_else(pres
     switches = np.array(stroke(press))
     end = moving(press.scene, switches)[press.position][1]
     hair = 1e-9  # s, beside the switches: ten thousand times what rounding leaves of them
-    time = np.sort([*np.linspace(0, press.scene.drive.cycle, 361), *(switches - hair), *(switches + hair)])
+    time = np.sort([*np.linspace(0, press.scene.cycle, 361), *(switches - hair), *(switches + hair)])
     motion = moving(press.scene, time)
     inertia = press.mass * motion[f"{press.point}.a{press.axis}"]
     load = inertia - motion[f"{press.point}.f{press.axis}"]
@@ -102,7 +102,7 @@ def test_a_force_in_the_last_part_of_the_stroke_acts_there_and_nowhere_else(pres
 @pytest.mark.parametrize("name", ["double_toggle_clamp", "double_toggle_clamp_scheme4"])
 def test_clamp_locks(name: str) -> None:
     scene = scenes.load(name)
-    motion = moving(scene, scene.drive.cycle * np.array([0.9, 1.0]))
+    motion = moving(scene, scene.cycle * np.array([0.9, 1.0]))
     B, C = (motion[f"{point}.x"] + 1j * motion[f"{point}.y"] for point in "BC")
     assert abs((B.conjugate() * C).imag[1]) <= 1e-15  # m^2, rounding; A, B and C are in line,
     assert motion["C.vx"][0] >= 1e-3 >= 1e12 * abs(motion["C.vx"][1])  # m/s; so the platen stands, not as before,

@@ -15,8 +15,8 @@ from tests import scene_files
 
 
 def speed_of(scene: scenes.Scene) -> float:
-    assert isinstance(scene.drive, ConstantSpeed)
-    return scene.drive.speed
+    assert isinstance(scene.drive.law, ConstantSpeed)
+    return scene.drive.law.speed
 
 
 def force_of(scene: scenes.Scene) -> tuple[float, float]:

@@ -38,7 +38,7 @@ def truth(name: str) -> tuple[Scene, Mapping[str, Samples]]:
     """Return a scene, and its motion from redundant coordinates."""
     scene = scene_files.load(name)
     time = SAMPLING.times(scene)
-    return scene, solve(scene, *scene.drive.at(time), time)
+    return scene, solve(scene, *scene.drive.law.at(time), time)
 
 
 def off(engine: Any, name: str, settings: Settings | None = None) -> dict[str, float]:

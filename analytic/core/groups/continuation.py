@@ -113,8 +113,8 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     """
     first = _begun(scene, group, bodies, placed)
     start, step, turn = scene.sketch.drive, first.step, first.turn
-    least, most = scene.drive.extent
-    if scene.driven_slide is not None:
+    least, most = scene.drive.law.extent
+    if scene.drive.slide is not None:
         return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
     forward = _march(first, placed, turn)
     turns = forward.position[-1] - start >= turn - SMALLEST * step
@@ -138,8 +138,8 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
 def _begun(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
     """The pose at the sketch, q of shape (1, m), or Failure."""
     equations, start = equations_of(scene, bodies, group), scene.sketch.drive
-    turn = 2 * pi if scene.driven_slide is None else inf
-    step = (turn if turn < inf else np.ptp(scene.drive.extent)) / STEPS
+    turn = 2 * pi if scene.drive.slide is None else inf
+    step = (turn if turn < inf else np.ptp(scene.drive.law.extent)) / STEPS
     position, rough = np.array([start]), np.array([sketched_coordinates(scene, group, bodies)])
     hung = placed(position)
     q = assemble(correction(equations, hung.pose), rough, equations.size)

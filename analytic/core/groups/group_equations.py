@@ -179,7 +179,7 @@ def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) ->
     if group.drive is not None:
         drive = np.zeros((1, frames))
         drive[0, -1] = -1
-        if scene.driven_slide is None:
+        if scene.drive.slide is None:
             drive[0, [index[name] for name in group.drive]] = 1, -1
             A = np.append(A, drive, axis=0)
         else:

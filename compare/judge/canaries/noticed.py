@@ -160,12 +160,12 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
     scene, (*others, effort), driven = copy.scene, force_channels(copy.scene), copy.scene.drive.body
     force = times * max(float(copy.sizes[channel].max()) for channel in (*others, effort))
     couple = ARMS * force * copy.reference.mechanics.size
-    if scene.driven_slide is None:
+    if scene.drive.slide is None:
         joint = next(f"{pin.channel}.fx" for pin in scene.pins if driven in (pin.first, pin.second))
         both: dict[str, Samples | float] = {joint: force, effort: couple}
         power: dict[str, Samples | float] = {effort: couple}
     else:
-        both, ends = {effort: force, f"{driven}.guide_moment": couple}, (driven, scene.drive_on)
+        both, ends = {effort: force, f"{driven}.guide_moment": couple}, (driven, scene.drive.on)
         point = next(p for p in (scene.bodies[name].points[0] for name in ends) if p in scene.moving_points)
         along = MotionVectors(scene, copy.true).along(scene.bodies[driven])
         way = ((f"{point}.vx", along.real), (f"{point}.vy", along.imag))

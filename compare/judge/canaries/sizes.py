@@ -19,8 +19,8 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
     Travels and peaks are those of one cycle of the drive, `true` is the motion at the instants asked for, shape (n,);
     errors of a force that is nothing beside the others are relative to what they are `otherwise`, by channel.
     """
-    whole, way, (least, largest) = np.ones_like(true["time"]), true[scene.drive_channel], scene.drive.extent
-    travel = 1.0 if scene.driven_slide is None else largest - least
+    whole, way, (least, largest) = np.ones_like(true["time"]), true[scene.drive_channel], scene.drive.law.extent
+    travel = 1.0 if scene.drive.slide is None else largest - least
     paths = {point: cycle[f"{point}.x"] + 1j * cycle[f"{point}.y"] for point in scene.moving_points}
     reach = {point: 2 * float(np.abs(path - path.mean()).max()) for point, path in paths.items()}  # T to 2 T
     by_channel = {}
@@ -28,7 +28,7 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
         kind, name = quantity(channel), channel.partition(".")[0]  # a body may have the name of a point
         order, point = ORDERS.get(kind, 0), kind[-1] in "xy"
         unit = max(reach[name], LEAST * max(reach.values())) if point else 1.0
-        scale = unit * (scene.drive.peak_rate / travel) ** order
+        scale = unit * (scene.drive.law.peak_rate / travel) ** order
         by_channel[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
     forces = (channel for channel in force_channels(scene) + friction_channels(scene) if channel in cycle)
     peaks = {channel: float(length(cycle, channel).max()) for channel in forces}

@@ -92,9 +92,9 @@ class Evidence:
     def late(self, by: float) -> Channels:
         """Return the motion as if all were late by a time, s; nothing where there is no motion."""
         if by not in self._late:
-            drive, time = self.scene.drive, self.true["time"] - by
-            time = time if drive.periodic else np.clip(time, 0.0, drive.cycle)
-            self._late[by] = self.solved(self.scene, drive.at(time).position, time)
+            law, time = self.scene.drive.law, self.true["time"] - by
+            time = time if law.periodic else np.clip(time, 0.0, law.cycle)
+            self._late[by] = self.solved(self.scene, law.at(time).position, time)
         return self._late[by]
 
     @cached_property

@@ -185,7 +185,7 @@ def _shares(carried: Carried) -> Iterator[Hypothesis]:
 def _friction(carried: Carried) -> Iterator[Hypothesis]:
     """Yield friction in guides and pins; and what the drive's effort alone has, its own or by power lost in a joint."""
     scene, evidence, fits = carried.scene, carried.evidence, []
-    rate = scene.drive.at(evidence.true["time"]).rate
+    rate = scene.drive.law.at(evidence.true["time"]).rate
     per_rate = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate != 0)
     efforts = {("drive", "dry"): np.sign(rate), ("drive", "viscous"): rate}
     damped = {spring.at for spring in scene.torsion_springs if spring.damping is not None}  # which is another number

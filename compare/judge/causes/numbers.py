@@ -162,7 +162,7 @@ def _swapped(evidence: Evidence, slopes: Sequence[Slopes]) -> Iterator[Hypothesi
 
 def _varying(evidence: Evidence, groups: Sequence[Numbers], ways: Sequence[Sequence[Channels]]) -> Iterator[Hypothesis]:
     """Yield lengths that vary over the turn, by a sine of one amount."""
-    turn = 2 * np.pi * evidence.true["time"] / evidence.scene.drive.cycle
+    turn = 2 * np.pi * evidence.true["time"] / evidence.scene.cycle
     waves = (np.ones_like(turn), np.cos(turn), np.sin(turn))
     for group, (change, *_) in zip(groups, ways, strict=True):
         if group.cause.text == LENGTH:

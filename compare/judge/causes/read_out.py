@@ -100,7 +100,7 @@ def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     for q in quantities:  # of angles, which count modulo one turn, on the circle
         own = np.array([off[c] for c in channels if quantity(c) == q])
         by[q] = float(np.angle(np.mean(np.exp(1j * own))) if q in ANGLES else np.mean(own))
-    rate = evidence.scene.drive.at(evidence.true["time"]).rate
+    rate = evidence.scene.drive.law.at(evidence.true["time"]).rate
     if part.place == "drive" and by.keys() <= {"torque", "force"} and (rate * sum(by.values()) > 0).all():
         return  # friction of the drive
     kind = Kind.drive if channels == (evidence.drive,) else Kind.offset

@@ -45,7 +45,7 @@ def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | 
             first = motion[wrong[0]]
             return Cause(kind, common(wrong), text, (first.size, sampling.count), (wrong[0], str(first.dtype)))
     off = float(np.abs(motion["time"] - sampling.times(reference.scene)).max())
-    return None if off <= ON_TIME * reference.scene.drive.cycle else _instants(reference.scene, sampling, motion, off)
+    return None if off <= ON_TIME * reference.scene.cycle else _instants(reference.scene, sampling, motion, off)
 
 
 def _instants(scene: Scene, sampling: Rows, motion: Motion, off: float) -> Cause:
@@ -146,14 +146,14 @@ def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """All of a part late by one time, s, by Gauss and Newton from several starts; or by samples, the first held."""
     time, rows = evidence.motion["time"], np.arange(len(evidence.rows))
-    step, drive = float(time[1] - time[0]), evidence.scene.drive
+    step, scene = float(time[1] - time[0]), evidence.scene
     kind = Kind.drive if part.channels == (evidence.drive,) else Kind.lag
 
     def predict(by: Samples, start: float = 0.0) -> Channels:
         late = evidence.late(start + float(by[0]))
         return {c: late[c] for c in part.channels if late}
 
-    starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * drive.cycle for k in CYCLES_LATE] * drive.periodic
+    starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * scene.cycle for k in CYCLES_LATE] * scene.periodic
     either = (sign * by for by in starts for sign in (1, -1))
     start = min(either, key=lambda by: evidence.left(predict(np.zeros(1), by)))
     (by,), late = evidence.fitted(lambda by: predict(by, start), [1e-4 * step], 4)

@@ -13,7 +13,7 @@ import numpy as np
 from scenes import Scene
 from scenes.fields import Number, put, walk
 from scenes.model.motion import Samples, quantity
-from scenes.scene import GROUND, ConstantSpeed, Drive, HarmonicLaw
+from scenes.scene import GROUND, ConstantSpeed, DriveLaw, HarmonicLaw
 
 from ...results.frame import KNOWN, LENGTHS, Frame, seen, unit_near, vectors
 from .cause import Cause, Kind, Part
@@ -36,12 +36,12 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     yield from _frame(evidence, mirrored=False)
     yield from _frame(evidence, mirrored=True)
     scene, true = evidence.scene, evidence.true
-    if not isinstance(scene.drive, ConstantSpeed) or scene.driven_slide is not None:
+    if not isinstance(scene.drive.law, ConstantSpeed) or scene.drive.slide is not None:
         return
     orders = {c: RATES[quantity(c)] for c in evidence.names if quantity(c) in RATES}
     for unit, name, other in (("rad", "radian", "deg"), ("deg", "degree", "rad")):
         size = KNOWN["rad"][unit]
-        rates = {c: (size / scene.drive.speed) ** order * true[c] for c, order in orders.items()}
+        rates = {c: (size / scene.drive.law.speed) ** order * true[c] for c, order in orders.items()}
         yield Hypothesis(Cause(Kind.unit, "all", BY_ANGLE, names=(name,)), rates)
         there = evidence.solved(scene, size / KNOWN["rad"][other] * true[scene.drive_channel])
         others = {c: there[c] for c in evidence.names if c != scene.drive_channel and there}
@@ -74,7 +74,7 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
         text = "all lengths are in {one} in place of {two}" if unit else "all lengths are {times}"
         causes.append(Cause(Kind.unit, "all", text, (factor,), (unit, "m"), all_lengths))
     if causes:
-        relative = evidence.scene.drive_on != GROUND
+        relative = evidence.scene.drive.on != GROUND
         other = seen(Frame(angle, b, mirrored, factor, relative), {c: evidence.true[c] for c in evidence.names})
         predicted = {c: own for c, own in other.items() if c != evidence.drive or evidence.off[c] > LEAST}
         freedom = bool(angle) + 2 * bool(b) + (not unit)
@@ -84,17 +84,17 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
 def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what would have been with the drive where it is, at another speed, or by another entry of its law."""
     scene, asked, there = evidence.scene, evidence.true[evidence.drive], evidence.given[evidence.drive]
-    drive = scene.drive
-    off, at_one_speed = there - asked, isinstance(drive, ConstantSpeed)
+    law = scene.drive.law
+    off, at_one_speed = there - asked, isinstance(law, ConstantSpeed)
     most = float(off[np.abs(off).argmax()])
     late = at_one_speed and np.ptp(off) <= LATE * abs(most)
     if off.any() and not late and (actual := evidence.solved(scene, there)):
         constant = np.ptp(off) <= CONSTANT * abs(most)
         yield Hypothesis(_drive(BY if constant else UP_TO, most), actual, 1 if constant else COURSE)
-    if isinstance(drive, ConstantSpeed):
-        yield from _speeds(evidence, scene, drive)
+    if isinstance(law, ConstantSpeed):
+        yield from _speeds(evidence, scene, law)
     else:
-        yield from _offsets(evidence, scene, drive)
+        yield from _offsets(evidence, scene, law)
 
 
 def strayed(evidence: Evidence) -> Cause | None:
@@ -110,7 +110,7 @@ def _drive(text: str, *amounts: float) -> Cause:
     return Cause(Kind.drive, "drive", text, amounts)
 
 
-def _offsets(evidence: Evidence, scene: Scene, law: Drive) -> Iterator[Hypothesis]:
+def _offsets(evidence: Evidence, scene: Scene, law: DriveLaw) -> Iterator[Hypothesis]:
     """Yield a drive that is off by a constant, and its channel not; and a law with another one of its positions."""
     asked, hair = evidence.true[scene.drive_channel], [1e-5 * np.ptp(law.extent)]
     (by,), predicted = evidence.fitted(lambda x: evidence.solved(scene, asked + x[0]), hair, 3)
@@ -121,36 +121,36 @@ def _offsets(evidence: Evidence, scene: Scene, law: Drive) -> Iterator[Hypothesi
 
         def predict(x: Samples, entry: Number = entry) -> Channels:
             moved = {one.at: one.value + float(x[0]) for one in (ends if entry in ends else [entry])}
-            other: Drive = put(law, moved)
-            return evidence.solved(replace(scene, drive=other), other.at(evidence.true["time"]).position)
+            other: DriveLaw = put(law, moved)
+            return evidence.solved(scene.with_law(other), other.at(evidence.true["time"]).position)
 
         (by,), predicted = evidence.fitted(predict, hair)
         cause = Cause(Kind.drive, "drive", "{one} is off by {displacement}", (float(by),), (entry.path,))
         yield Hypothesis(cause, predicted, 1)
 
 
-def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[Hypothesis]:
+def _speeds(evidence: Evidence, scene: Scene, law: ConstantSpeed) -> Iterator[Hypothesis]:
     """Another speed: with its poses, with those asked for and other rates, or instants that are too far apart."""
     time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
-    there = evidence.given[scene.drive_channel] - drive.start
-    rates = {float(there @ time / (time @ time)), -drive.speed}
+    there = evidence.given[scene.drive_channel] - law.start
+    rates = {float(there @ time / (time @ time)), -law.speed}
     if velocities := {c: evidence.true[c] for c in evidence.names if RATES.get(quantity(c)) == 1}:
-        rates.add(drive.speed * (1 + float(evidence.added([velocities])[0][0])))
+        rates.add(law.speed * (1 + float(evidence.added([velocities])[0][0])))
     others = [c for c in evidence.names if c != scene.drive_channel]
 
     def at(rate: float, text: str) -> Channels:
-        other = scene if text == CLOCK else replace(scene, drive=replace(drive, speed=rate))
-        return evidence.solved(other, asked if text == RATE else drive.start + rate * time)
+        other = scene if text == CLOCK else scene.with_law(replace(law, speed=rate))
+        return evidence.solved(other, asked if text == RATE else law.start + rate * time)
 
     def without_drive(x: Samples, text: str) -> Channels:
-        predicted = at(drive.speed * (1 + float(x[0])), text)
+        predicted = at(law.speed * (1 + float(x[0])), text)
         return {channel: predicted[channel] for channel in others} if predicted else {}
 
     for text in (SPEED, RATE, CLOCK):
         (share,), _ = evidence.fitted(partial(without_drive, text=text), [1e-6], 4)
-        for rate in (drive.speed * (1 + float(share)), *(rates if text != CLOCK else ())):
-            if not rate or abs(rate / drive.speed - 1) <= LEAST or not (predicted := at(rate, text)):
+        for rate in (law.speed * (1 + float(share)), *(rates if text != CLOCK else ())):
+            if not rate or abs(rate / law.speed - 1) <= LEAST or not (predicted := at(rate, text)):
                 continue
-            times = drive.speed / rate if text == CLOCK else rate / drive.speed
+            times = law.speed / rate if text == CLOCK else rate / law.speed
             for channels in (evidence.names, others):  # its channel may be as commanded
                 yield Hypothesis(_drive(text, times - 1), {c: predicted[c] for c in channels}, 1)

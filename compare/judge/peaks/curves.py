@@ -60,7 +60,7 @@ def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[Cyc
 
 def driving(scene: Scene, effort: Samples, motion: Motion) -> tuple[Samples, Samples, Samples]:
     """How large the drive's effort is, negative against its motion; its power, W; its rate; each of shape (..., n)."""
-    rate = scene.drive.at(motion["time"]).rate
+    rate = scene.drive.law.at(motion["time"]).rate
     with_motion = np.abs(effort) * np.sign(np.where(rate == 0, 1.0, effort * rate))  # what holds still drives
     return with_motion, effort * rate, rate
 
@@ -90,9 +90,9 @@ def _forces(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
         across, angle = 1j * guide.along[0] - guide.along[1], f"{guide.on}.angle" if guide.on in scene.turning else ""
         yield CycleCurve("guide_force", name, {force: across}, scale[force], angle=angle)
         yield CycleCurve("guide_moment", name, {moment: 1}, scale[moment])
-    slide = scene.driven_slide
+    slide = scene.drive.slide
     channel, along = ("drive.torque", None) if slide is None else ("drive.force", complex(*slide.along))
-    along = along if scene.drive_on == GROUND else None  # along a guide that swings it has no one direction
+    along = along if scene.drive.on == GROUND else None  # along a guide that swings it has no one direction
     yield CycleCurve("effort", scene.drive.body, {channel: 1}, scale[channel], along=along)
 
 

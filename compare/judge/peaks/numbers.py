@@ -119,12 +119,12 @@ def _of_slider(
     """Yield the stroke, its ends, for how long the slider is near the closed one, and the quick return."""
     curve, way = by_kind["displacement"], Stroke(scene, motion, by_kind, exact=exact)
     yield CycleNumber(STROKE, curve, way.length, "m", way.length, kind=STROKE)
-    end, dwell = "dead point" if scene.drive.periodic else "end", way.dwell
+    end, dwell = "dead point" if scene.periodic else "end", way.dwell
     yield CycleNumber(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed, CLOSED)
     yield CycleNumber(f"open {end}", curve, at(way.place, way.opened), "m", way.length, way.opened, OPEN)
     near = f"dwell within {100 * DWELLING:.0f} % of the stroke"
     yield CycleNumber(near, curve, dwell, "s", dwell, way.closed, DWELL)
-    if scene.drive.periodic and "velocity" in by_kind and not np.isnan(ratio := way.quick_return).all():
+    if scene.periodic and "velocity" in by_kind and not np.isnan(ratio := way.quick_return).all():
         yield CycleNumber("quick return", by_kind["velocity"], ratio, "", ratio)
 
 

@@ -55,7 +55,7 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
         return []
 
     def solve(time: Samples) -> Motion:
-        return reference.at(scene.drive.at(time).position, time)
+        return reference.at(scene.drive.law.at(time).position, time)
 
     late = reference.cycle.late.intersection(channel for curve in followed for channel in curve.channels)
     cycle = Motion({**reference.cycle.prompt.samples, **{channel: _lows(reference, channel) for channel in late}})
@@ -118,7 +118,7 @@ def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
     scene = reference.scene
     followed = curves(scene, reference.scale, motion)
     largest: dict[str, float] = {}
-    for rows in _cycles(motion["time"] / scene.drive.cycle):
+    for rows in _cycles(motion["time"] / scene.cycle):
         own = Motion({c: samples[rows] for c, samples in motion.samples.items()})
         at = reference.at(own[scene.drive_channel], own["time"])
         true = reference.fitting(own, at, reference.acts(at))

@@ -49,7 +49,7 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
     """
     scene, mechanics = reference.scene, reference.mechanics
     request: Request = Sampling(EQUALLY)
-    if isinstance(scene.drive, ConstantSpeed):
+    if isinstance(scene.drive.law, ConstantSpeed):
         request = Positions(tuple(positions(scene, nearest_lock(reference)).tolist()))
     true = _certified(scene, request)
     peak = {c: float(magnitude(true, c).max()) for c in mechanics.units}
@@ -70,18 +70,18 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
 def nearest_lock(reference: Reference) -> float:
     """The drive's position, rad or m, with a group nearest to a lock at a length; the first one without a lock."""
     of_lock = (peak.position for peak in peaks(reference, Sampling(EQUALLY), []) if quantity(peak.channel) == "to_lock")
-    return next(of_lock, reference.scene.drive.extent[0])
+    return next(of_lock, reference.scene.drive.law.extent[0])
 
 
 def positions(scene: Scene, about: float) -> Samples:
     """Return positions over a cycle, and one more with those close around it, rad or m, as the drive comes by."""
-    least, most = scene.drive.extent
+    least, most = scene.drive.law.extent
     off = (most - least) * AROUND
     close = np.array([*(about - off), about, *(about + off)])
-    if not scene.drive.periodic:
+    if not scene.periodic:
         close = close[(close >= least) & (close <= most)]
     all_ = np.unique([*np.linspace(least, most, EQUALLY + 1), *close])
-    return all_ if scene.drive.start == least else all_[::-1]
+    return all_ if scene.drive.law.start == least else all_[::-1]
 
 
 def _certified(scene: Scene, request: Request) -> Motion:
@@ -96,7 +96,7 @@ def _changes(scene: Scene, request: Request, true: Motion, size: Mapping[str, fl
     """The sum of (1) by channel, shape (n,)."""
     problems = [(other, request) for other in inputs_off(scene)]
     if isinstance(request, Positions):  # the drive off everywhere: of 1 rad for a crank, however many turns it counts
-        step = STEP * (1.0 if scene.driven_slide is None else float(np.abs(scene.drive.extent).max()))
+        step = STEP * (1.0 if scene.drive.slide is None else float(np.abs(scene.drive.law.extent).max()))
         problems.append((scene, replace(request, positions=tuple(x + step for x in request.positions))))
     total = {channel: np.zeros(true["time"].shape) for channel in size if channel != "time"}
     for problem in problems:

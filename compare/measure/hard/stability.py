@@ -96,7 +96,7 @@ def over_variants(kind: str, variants: Variants, engines: Sequence[str], show: P
 
 def over_turns(reference: Reference, engine: str, show: Progress, runs: Runs) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
-    for number, steps in product(TURNS if reference.scene.drive.periodic else (), STEPS[:-1]):  # these runs are long
+    for number, steps in product(TURNS if reference.scene.periodic else (), STEPS[:-1]):  # these runs are long
         show(f"stability of {engine}: drift over {number}, {steps} steps")
         yield _cell(("drift", engine, str(number), steps), reference, runs)
 

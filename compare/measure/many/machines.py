@@ -76,13 +76,13 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     status, reason = [Status.ok] * count, [""] * count
 
     def solved(time: Samples) -> Motion:
-        answer = solve(np.broadcast_to(many.drive.at(time).position, time.shape), time)
+        answer = solve(np.broadcast_to(many.drive.law.at(time).position, time.shape), time)
         for machine, (ended, why) in enumerate(zip(answer.status, answer.reason, strict=True)):
             if status[machine] is Status.ok:
                 status[machine], reason[machine] = ended, why
         return Motion(answer.samples)
 
-    time = np.arange(samples + 1) / samples * np.broadcast_to(many.drive.cycle, (count, 1))
+    time = np.arange(samples + 1) / samples * np.broadcast_to(many.cycle, (count, 1))
     with np.errstate(invalid="ignore"):  # of machines that do not run
         motion = refined(many, quantities, solved(time), solved, bare=True)
     rows = np.flatnonzero([ended is Status.ok for ended in status])
@@ -111,7 +111,7 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
     terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]
     time = np.unique([instant for own in terms for _, instant, _ in own])
     wanted = frozenset(channel for curve in quantities for channel in curve.channels)
-    position = scene.drive.at(time).position
+    position = scene.drive.law.at(time).position
     by = {**registry.derivatives(scene, paths, position, time, wanted)}
     if left := wanted - by.keys():  # how far larger groups are from a singular pose
         by |= _by_differences(scene, paths, position, time, left)

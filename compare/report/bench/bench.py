@@ -66,7 +66,7 @@ class Bench:
             "exact": {"rows": kept, "samples": samples},
             "peaks": [self._peak(channel) for channel in self.program["channels"]],
             "paths": scene.moving_points,
-            "extent": scene.drive.extent,
+            "extent": scene.drive.law.extent,
             "points": {point: [*self._moves(point)] for point in scene.owners},
             "asked": self.asked,
             "along": (guided := scene.guided(scene.output)) and guided[1].along,
@@ -146,11 +146,11 @@ class Bench:
 
     def _law(self) -> Mapping[str, Any] | None:
         """The pieces of a motion law, how long they take where they are repeated, s, and how far they lead."""
-        drive = self.scene.drive
-        if isinstance(drive, ConstantSpeed):
+        law = self.scene.drive.law
+        if isinstance(law, ConstantSpeed):
             return None
-        first, last = drive.after([0, 1])
-        return {"pieces": drive.pieces, "cycle": drive.cycle if drive.periodic else 0, "gain": last - first}
+        first, last = law.after([0, 1])
+        return {"pieces": law.pieces, "cycle": law.cycle if law.periodic else 0, "gain": last - first}
 
     def _limits(self) -> Iterator[Mapping[str, Any]]:
         """Yield the scene's limits with the channels that each is of."""

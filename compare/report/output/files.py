@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import fields
 from functools import partial
 from os.path import relpath
 from pathlib import Path
@@ -210,7 +211,7 @@ def summary(study: Study) -> dict[str, Any]:
 
         hard = counts(study.hard)
     return {
-        "scene": scene,
+        "scene": _scene(scene),
         "sampling": study.sampling,
         "axis": axis(scene),
         "reference": {"route": route(scene), "stroke_m": study.reference.stroke, "floor": study.reference.floor},
@@ -239,7 +240,16 @@ def summary(study: Study) -> dict[str, Any]:
 def unsolved_summary(scene: Scene, sampling: Sampling, unsolved: UnsolvedError) -> dict[str, Any]:
     """What is known of a scene that cannot run, for `summary.json`."""
     nothing = {"engines": {}, "peaks": (), "errors": (), "cheapest": (), "environment": environment()}
-    return {"scene": scene, "sampling": sampling, "verdict": Agreement(Word.not_solved, unsolved.sentence), **nothing}
+    verdict = Agreement(Word.not_solved, unsolved.sentence)
+    return {"scene": _scene(scene), "sampling": sampling, "verdict": verdict, **nothing}
+
+
+def _scene(scene: Scene) -> dict[str, Any]:
+    """A scene as summaries always had it, so that earlier ones stay baselines: its one drive by its body and law."""
+    known, drive = {each.name: getattr(scene, each.name) for each in fields(scene)}, scene.drive
+    law = {each.name: getattr(drive.law, each.name) for each in fields(drive.law)}
+    alone = {"drive": {"body": drive.body, **law}, "drive_on": drive.on}
+    return {name: value for name, value in (known | alone).items() if name != "drives"}
 
 
 def _engine(scene: Scene, measurement: Measurement) -> dict[str, Any]:

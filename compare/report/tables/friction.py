@@ -36,7 +36,7 @@ def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
 def by_joint(study: Study) -> TableRows:
     """Yield the work that each joint's friction takes in a cycle, its mean power, and its share of all."""
     (per_joule, joule), (per_watt, watt) = (units(study.reference)[si] for si in "JW")
-    cycle, duration = study.reference.cycle, study.scene.drive.cycle
+    cycle, duration = study.reference.cycle, study.scene.cycle
     works = {joint: _work(cycle, power) for joint, power in losses(study.scene, cycle).items()}
     whole = sum(works.values())
     for joint, work in sorted(works.items(), key=lambda row: -row[1]):
@@ -55,7 +55,7 @@ def sentences(study: Study) -> Iterator[str]:
     what = f"the drive's largest {quantity(channel)} is {largest}, without friction {free}"
     yield f"At {len(cycle['time']):,} positions {what}."
     yield _jam(scene)
-    if isinstance(scene.drive, ConstantSpeed):
+    if isinstance(scene.drive.law, ConstantSpeed):
         yield _locking(study)
     bound = float(contraction(study.reference.mechanics, study.motion).max())
     proven = "less than 1, so no other forces are possible" if bound < 1 else "not below 1, so others are not ruled out"
@@ -121,15 +121,15 @@ def _jam(scene: Scene) -> str:
 
 def _locking(study: Study) -> str:
     """Where in a cycle the loads would drive it back without friction, and do not with it."""
-    scene, cycle, drive = study.scene, study.reference.cycle, study.scene.drive
-    assert isinstance(drive, ConstantSpeed)
-    backwards = replace(drive, speed=-drive.speed)
-    if drive.end is not None:
-        backwards = replace(backwards, start=drive.end, end=drive.start)
+    scene, cycle, law = study.scene, study.reference.cycle, study.scene.drive.law
+    assert isinstance(law, ConstantSpeed)
+    backwards = replace(law, speed=-law.speed)
+    if law.end is not None:
+        backwards = replace(backwards, start=law.end, end=law.start)
 
     def needs(of: Scene) -> Samples:
         """The drive's power on the way back through the same positions."""
-        back = replace(of, drive=backwards)
+        back = of.with_law(backwards)
         there = registry.reference(back)(cycle[scene.drive_channel], cycle["time"])
         return drive_power(MotionVectors(back, there))
 

@@ -149,19 +149,19 @@ def setup(study: Study) -> str:
 
 
 def _motion_of_the_drive(scene: Scene) -> str:
-    drive = scene.drive
-    if not isinstance(drive, ConstantSpeed):
-        return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.periodic}"
+    law = scene.drive.law
+    if not isinstance(law, ConstantSpeed):
+        return f"by a motion law of {law.cycle:g} s{', again and again' * law.periodic}"
     unit, size = scene.units["speed"]
-    speed = f"at {drive.speed / size:g} {named(unit)}".replace("-", "−")
-    return speed if turns_fully(scene) else f"{speed} from {axis(scene).text(drive.start, float(drive.after(1)))}"
+    speed = f"at {law.speed / size:g} {named(unit)}".replace("-", "−")
+    return speed if turns_fully(scene) else f"{speed} from {axis(scene).text(law.start, float(law.after(1)))}"
 
 
 def scales(scene: Scene) -> str:
     """The scales of errors where the drive is more than a crank at constant speed."""
-    if scene.driven_slide is not None:
+    if scene.drive.slide is not None:
         return " ω is the drive's peak speed over its travel."
-    return "" if isinstance(scene.drive, ConstantSpeed) else " ω is the drive's peak rate."
+    return "" if isinstance(scene.drive.law, ConstantSpeed) else " ω is the drive's peak rate."
 
 
 def notes(study: Study) -> list[str]:

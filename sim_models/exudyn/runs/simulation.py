@@ -60,7 +60,7 @@ class ExudynSimulation:
         """The channels of friction and forces; that friction jams is told later, after what makes it doubtful."""
         resisting: Mapping[str, Array] = {}
         if self.scene.friction:
-            rates = self.scene.drive.at(self.times).rate
+            rates = self.scene.drive.law.at(self.times).rate
             try:
                 multipliers, resisting = JointFriction(self.poses).act(self._q, multipliers, self.positions, rates)
             except Failure as jam:
@@ -94,7 +94,7 @@ class PointwiseSimulation(ExudynSimulation):
 
     def __init__(self, scene: Scene, request: Request) -> None:
         super().__init__(scene, request)
-        self._driven = scene.drive.at(self.times)
+        self._driven = scene.drive.law.at(self.times)
         accelerations = any(quantity(name) in ("ax", "ay", "alpha") for name in self.sampling.wanted(scene))
         self._samples = self._buffer()
         self._curved = accelerations or len(self._samples) > 3

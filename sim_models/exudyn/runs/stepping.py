@@ -66,7 +66,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         times, stride = self.times, ceil(self.options.steps / self.sampling.samples)
         if self.options.solver == TRAPEZOIDAL and self.options.richardson:
             stride += stride % 2  # errors of a period of two steps cancel between two even numbers of steps
-        parts = pieces(self.scene.drive, float(times[-1]))
+        parts = pieces(self.scene.drive.law, float(times[-1]))
         if isinstance(self.options, TextbookTimeStepping):
             return [Stretch(parts, slice(len(times)), stride, 0.0, self._at_start)]
         begins = np.searchsorted(times, [part.begin - SAME_INSTANT * times[1] for part in parts])
@@ -85,7 +85,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         while self.options.pre_roll * self._step(stride) > part.within / SLOWLY:
             stride *= 2
         for _ in range(PRE_ROLL_HALVINGS + 1):
-            before = time - self.options.pre_roll * self.scene.drive.cycle / (stride * self.sampling.samples)
+            before = time - self.options.pre_roll * self.scene.cycle / (stride * self.sampling.samples)
             try:
                 return Stretch([part], rows, stride, before, self._before(first, part, np.linspace(time, before)))
             except Failure as singular:
@@ -99,12 +99,12 @@ class TimeSteppedSimulation(ExudynSimulation):
         farthest = max(positions, key=lambda position: abs(position - first.position))
         turned = poses.follow(first, farthest)
         there, here = poses.length(turned.tangent), poses.length(first.tangent)
-        if not self.scene.drive.periodic and not there <= SINGULAR_SPEED * here:
+        if not self.scene.periodic and not there <= SINGULAR_SPEED * here:
             raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {self.scene.where(farthest)}")
         return poses.follow(turned, positions[-1])
 
     def _step(self, stride: int) -> float:
-        return self.scene.drive.cycle / (stride * self.sampling.samples)
+        return self.scene.cycle / (stride * self.sampling.samples)
 
     def _solved(self) -> Array:
         self.counters = dict.fromkeys(("steps", "newton_iterations", "jacobians"), 0) | self.model.counts()

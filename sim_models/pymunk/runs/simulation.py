@@ -50,7 +50,7 @@ class PymunkSimulation:
             self._stroke_ends = ends = stroke_ends(scene)
             if masses is fictitious_masses and not settings.fictitious:
                 settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
-            if scene.drive_on != GROUND:
+            if scene.drive.on != GROUND:
                 settings = replace(settings, iterations=max(settings.iterations, enough_sweeps(scene)))
             strides = [ceil(settings.steps / self._sampling.samples) * 2**level for level in range(settings.levels)]
             self._runs = [Integration(scene, self._sampling, n, settings, ends) for n in strides]
@@ -74,11 +74,11 @@ class PymunkSimulation:
                 run.advance(budget)
             runs = [run.motions for run in self._runs]
             motion = Motions(*(_richardson(values) for values in zip(*runs, strict=True)))
-            if not isinstance(self._scene.drive, ConstantSpeed):
+            if not isinstance(self._scene.drive.law, ConstantSpeed):
                 motion = with_rates_of_law(self._linkage, self._times, motion)
             self._q, forces = motion.q, self._sampling.wants_forces(self._scene)
             self._channels = wanted_channels(self._linkage, self._times, motion, self._stroke_ends, forces=forces)
-            if self._scene.drive_on != GROUND:  # that of the runs: it need not be linear in the coordinates
+            if self._scene.drive.on != GROUND:  # that of the runs: it need not be linear in the coordinates
                 position = _richardson([self._linkage.drive_position(run.q) for run in runs])
                 self._channels = {**self._channels, self._scene.drive_channel: position}
 
@@ -162,15 +162,15 @@ def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples,
         C = np.abs(linkage.gaps(q, positions[rows]))
         C[:, 2 * len(scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end
         branches[rows], drift[rows], gap[rows] = linkage.branch(q), C[:, -1], C[:, :-1].max(axis=1)
-    if scene.driven_slide is None:
+    if scene.drive.slide is None:
         radius = max(map(abs, linkage.members[scene.drive.body].points.values()))
         gap, most = gap / (radius or linkage.size), "the crank's radius"  # it may have its pivot alone
     else:
-        travel = np.ptp(scene.drive.extent)
+        travel = np.ptp(scene.drive.law.extent)
         drift, gap, most = drift / travel, gap / (travel / 2), "half the drive's travel"
 
     _require(scene, branches == start, positions, Status.wrong_branch, "the linkage flips to another branch")
-    if linkage.moved[scene.drive.body].prescribed or scene.drive_on != GROUND:
+    if linkage.moved[scene.drive.body].prescribed or scene.drive.on != GROUND:
         drifting = f"'{scene.drive.body}' is not where the drive takes it"
         _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
     opening = f"a joint opens by over {LARGEST_GAP:.0%} of {most}"

@@ -51,7 +51,7 @@ class Integration:
     def __init__(
         self, scene: Scene, sampling: Sampling, stride: int, settings: PymunkSettings, stroke_ends: Sequence[float]
     ) -> None:
-        if scene.drive_on != GROUND and settings.correction != 1:
+        if scene.drive.on != GROUND and settings.correction != 1:
             raise Failure(Status.unsupported, "a drive between moving bodies lags where steps leave errors of joints")
         masses, with_forces = masses_of(scene, settings, sampling), loaded(scene, settings, sampling)
         self._linkage, _ = begun(scene, masses)
@@ -61,7 +61,7 @@ class Integration:
         pre_roll, pose = _before(scene, masses, dt, wanted)
         self.steps = Steps(dt, stride, pre_roll, count)
         # The last rate follows from the position one step after the end.
-        driven = scene.drive.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
+        driven = scene.drive.law.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
         self._driven, self.positions = driven.position, driven.position[pre_roll:-1]
         first = rates(self._linkage, pose, float(driven.rate[0]))
         self._gravity = (scene.gravity if with_forces else None) or (0, 0)
@@ -91,7 +91,7 @@ class Integration:
     def advance(self, budget: ProcessorBudget) -> None:
         """Step from before t = 0 to the end."""
         space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self._forces
-        follows = self._model.drive is not None or not isinstance(self._linkage.scene.drive, ConstantSpeed)
+        follows = self._model.drive is not None or not isinstance(self._linkage.scene.drive.law, ConstantSpeed)
         joints = [*self.joints.values()]
         recorder.append()
         for k in range(1 - steps.pre_roll, steps.count + 1):
@@ -135,7 +135,7 @@ class Integration:
             self._model.aim(there, self.steps.size)
             return
         behind, rate = 2 * here - there, (there - here) / self.steps.size  # pymunk moves it first, by that rate
-        name, slide = self._linkage.scene.drive.body, self._linkage.scene.driven_slide
+        name, slide = self._linkage.scene.drive.body, self._linkage.scene.drive.slide
         body = self._model.bodies[name]
         if slide is None:
             body.angle, body.angular_velocity = behind, rate
@@ -155,7 +155,7 @@ class TextbookRun:
     """
 
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
-        if scene.drive_on != GROUND:
+        if scene.drive.on != GROUND:
             raise Failure(Status.unsupported, "the textbook set-up has a motor on the ground only")
         if scene.kinds - {"forces"}:
             raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
@@ -166,8 +166,8 @@ class TextbookRun:
         dt = float(sampling.times(scene)[1]) / stride
         pre_roll = ceil(TEXTBOOK_PRE_ROLL * stride * sampling.samples)
         self.steps = Steps(dt, stride, pre_roll, stride * (sampling.count - 1))
-        first = scene.drive.at(-self.steps.pre_roll * dt)
-        begin = move(linkage, pose, scene.drive.start, float(first.position))
+        first = scene.drive.law.at(-self.steps.pre_roll * dt)
+        begin = move(linkage, pose, scene.drive.law.start, float(first.position))
         self._model = Model(linkage, begin, rates(linkage, begin, float(first.rate)), ERROR_BIAS, "motor")
         self._model.space.gravity = scene.gravity or (0, 0)
         self._model.space.iterations = settings.iterations
@@ -212,10 +212,10 @@ class TextbookRun:
 @lru_cache(STARTS)
 def _before(scene: Scene, masses: Masses, dt: float, wanted: int) -> tuple[int, PoseArray]:
     """The number of steps before t = 0, as wanted or fewer, and the pose there; once a scene, masses and steps."""
-    drive, (linkage, start) = scene.drive, begun(scene, masses)
+    law, (linkage, start) = scene.drive.law, begun(scene, masses)
     for steps in (wanted, LEAST_PRE_ROLL):
         try:
-            return steps, move(linkage, start, drive.start, float(drive.at(-steps * dt).position))
+            return steps, move(linkage, start, law.start, float(law.at(-steps * dt).position))
         except Failure as failure:
             ended = failure
     raise Failure(ended.status, f"pymunk starts {LEAST_PRE_ROLL} steps before zero, where {ended.reason}")

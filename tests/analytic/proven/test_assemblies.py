@@ -59,8 +59,8 @@ def _meant(model: Absolute, Q: Floats, at: float) -> bool:
     """Whether sliders and crank point where they are asked to, and not the other way, which is the same equation."""
     scene, x_axis = model.scene, partial(model.vector, local=(1.0, 0.0))
     pairs = [(name, slide.on, 0.0) for name, slide in scene.slides.items()]
-    if scene.driven_slide is None:
-        pairs.append((scene.drive.body, scene.drive_on, at))
+    if scene.drive.slide is None:
+        pairs.append((scene.drive.body, scene.drive.on, at))
     return all((x_axis(one) @ Q) @ (model.vector(on, (np.cos(a), np.sin(a))) @ Q) > 0 for one, on, a in pairs)
 
 

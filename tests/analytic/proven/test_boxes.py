@@ -31,7 +31,7 @@ SCENES = sorted({*scenes.shipped(), *(file.stem for file in scene_files.FOLDER.g
 
 def slack(scene: Scene) -> float:
     """What 50 digits may be off where a law's positions are rounded to doubles first."""
-    return BY_50_DIGITS if isinstance(scene.drive, ConstantSpeed) else BY_DOUBLES
+    return BY_50_DIGITS if isinstance(scene.drive.law, ConstantSpeed) else BY_DOUBLES
 
 
 def found(scene: Scene, count: int, seed: int) -> list[tuple[str, float, float]]:

@@ -47,7 +47,7 @@ def others(scene: Scene) -> Iterator[Tracks]:
 
 def swapped(scene: Scene, tracks: Tracks, part: tuple[float, float]) -> Tracks:
     """The scene's own branch, but another's on a part of the range."""
-    least, most = scene.drive.extent
+    least, most = scene.drive.law.extent
     low, high = (least + share * (most - least) for share in part)
     made = {}
     for group, own in followed(scene, decompose(scene)).tracks.items():
@@ -75,7 +75,7 @@ def test_one_branch_is_proven(name: str) -> None:
 def assert_noticed(monkeypatch: pytest.MonkeyPatch, name: str, part: tuple[float, float], first: float) -> None:
     """Another assembly in some boxes is, at a first place, where boxes meet; each box has a pose by itself."""
     scene = scene_files.load(name)
-    least, most = scene.drive.extent
+    least, most = scene.drive.law.extent
     tracks = next(each for each in others(scene) if open_at(monkeypatch, scene, each) is None)
     mixed = swapped(scene, tracks, part)
     found = open_at(monkeypatch, scene, mixed)

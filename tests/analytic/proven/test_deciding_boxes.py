@@ -91,7 +91,7 @@ def test_what_is_in_the_box_can_be_the_extreme(name: str) -> None:
     between = in_balls(scene)
     for row in analytic.enclose(scene, accuracy=1e-9).rows:
         low, high = row.position_low, row.position_high
-        if high - low < WHOLE * np.ptp(scene.drive.extent):
+        if high - low < WHOLE * np.ptp(scene.drive.law.extent):
             balls = (between(row.channel, *ends) for ends in ((low, high), 2 * [(low + high) / 2]))
             ball, middle = (on(row, ball) if quantity(row.channel) == "angle" else ball for ball in balls)
             judged += ball is not None

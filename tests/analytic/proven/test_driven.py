@@ -34,7 +34,7 @@ def _spline(chance: np.random.Generator) -> MotionLaw:
     positions = chance.uniform(-3, 3, count)
     if periodic:
         positions[-1] = positions[0] + 2 * pi * chance.integers(-1, 2)
-    return MotionLaw("crank", tuple(times.tolist()), tuple(positions.tolist()), periodic)
+    return MotionLaw(tuple(times.tolist()), tuple(positions.tolist()), periodic)
 
 
 def segments(chance: np.random.Generator) -> SegmentedLaw:
@@ -43,7 +43,7 @@ def segments(chance: np.random.Generator) -> SegmentedLaw:
     laws = [str(law) if law != "dwell" else None for law in chance.choice([*LAWS, "dwell"], count)]
     ends = tuple(None if law is None else float(chance.uniform(-2, 2)) for law in laws)
     durations = tuple(map(float, np.round(10.0 ** chance.uniform(-1, 1, count), 3)))
-    return SegmentedLaw("crank", float(chance.uniform(-1, 1)), ends, durations, tuple(laws), False)
+    return SegmentedLaw(float(chance.uniform(-1, 1)), ends, durations, tuple(laws), False)
 
 
 def after_a_long_dwell(chance: np.random.Generator) -> SegmentedLaw:
@@ -55,7 +55,7 @@ def after_a_long_dwell(chance: np.random.Generator) -> SegmentedLaw:
     )
     ends = (None, *map(float, chance.uniform(-2, 2, count)))
     laws = (None, *map(str, chance.choice([*LAWS], count)))
-    return SegmentedLaw("crank", 0.0, ends, durations, laws, False)
+    return SegmentedLaw(0.0, ends, durations, laws, False)
 
 
 def sines(chance: np.random.Generator) -> HarmonicLaw:
@@ -64,7 +64,7 @@ def sines(chance: np.random.Generator) -> HarmonicLaw:
     frequencies = tuple(map(float, chance.integers(1, 60, count) / chance.choice([2, 10])))
     sizes = tuple(map(float, chance.uniform(-2, 2, count)))
     return HarmonicLaw(
-        "crank", float(chance.uniform(-2, 2)), sizes, frequencies, tuple(map(float, chance.uniform(-4, 4, count)))
+        float(chance.uniform(-2, 2)), sizes, frequencies, tuple(map(float, chance.uniform(-4, 4, count)))
     )
 
 

@@ -42,7 +42,9 @@ def shipped(name: str) -> tuple[Bounds, Mapping[str, Samples]]:
     scene = scenes.load(name)
     samples = with_magnitudes(scene, motion_at(scene, turn(scene, SAMPLES - 1)))
     bounds = enclosed(scene)
-    sense = -1 if isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0 else 1  # from the drive's start on
+    sense = (
+        -1 if isinstance(scene.drive.law, ConstantSpeed) and scene.drive.law.speed < 0 else 1
+    )  # from the drive's start on
     angles = {of: np.unwrap(values[::sense])[::sense] for of, values in samples.items() if quantity(of) == "angle"}
     samples = {**samples, **angles}
     return bounds, {of: values for of, values in samples.items() if (of, "least") in bounds}
@@ -101,11 +103,11 @@ def peaks_by_50_digits(scene: Scene) -> bool:
     """Whether 50 digits have a motion where extremes are; all their values lie within the extremes."""
     try:
         found = analytic.enclose(scene)
-        assert isinstance(scene.drive, ConstantSpeed)
+        assert isinstance(scene.drive.law, ConstantSpeed)
         if not found.rows:
             return False
         places = np.unique([(one.position_low + one.position_high) / 2 for one in found.rows])[::3]
-        places = places[np.isfinite(places)][:: int(np.sign(scene.drive.speed))]
+        places = places[np.isfinite(places)][:: int(np.sign(scene.drive.law.speed))]
         motion = exact(scene, Positions(tuple(places.tolist())))
     except Failure:
         return False
@@ -125,7 +127,7 @@ def peaks_by_50_digits(scene: Scene) -> bool:
 
 def drawn_at_constant_speed(folder: Path, count: int) -> list[Scene]:
     """Those of plain linkages, all of which are shown to move."""
-    return [scene for scene in clean_scenes(folder, count) if isinstance(scene.drive, ConstantSpeed)]
+    return [scene for scene in clean_scenes(folder, count) if isinstance(scene.drive.law, ConstantSpeed)]
 
 
 @pytest.mark.slow

@@ -31,15 +31,15 @@ def test_where_it_locks(case: str) -> None:
     low, high = found.open_at
     assert low <= angle <= high
     assert high - low <= 1e-9
-    exact(scene, Positions((scene.drive.start, angle - BESIDE)))
+    exact(scene, Positions((scene.drive.law.start, angle - BESIDE)))
     with pytest.raises(Failure):
-        exact(scene, Positions((scene.drive.start, angle + BESIDE)))
+        exact(scene, Positions((scene.drive.law.start, angle + BESIDE)))
 
 
 def test_where_a_larger_group_locks() -> None:
     scene = scene_files.load("jumps")
     low, high = analytic.enclose(scene).open_at or (0.0, 0.0)
-    exact(scene, Positions((scene.drive.start, low)))
+    exact(scene, Positions((scene.drive.law.start, low)))
     assert low < high
     with pytest.raises(Failure):
-        exact(scene, Positions((scene.drive.start, high + 1e-3)))
+        exact(scene, Positions((scene.drive.law.start, high + 1e-3)))

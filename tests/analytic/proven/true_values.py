@@ -37,14 +37,14 @@ class Places:
     def drawn(cls, scene: Scene, chance: np.random.Generator, count: int) -> "Places":
         """So many, none of them over two pieces of a law."""
         edges, request, least = _edges(scene), None, 0.0
-        if isinstance(scene.drive, ConstantSpeed):
+        if isinstance(scene.drive.law, ConstantSpeed):
             at = np.sort(chance.uniform(edges[0], edges[-1], count))
-            at = at if scene.drive.speed > 0 else at[::-1]
+            at = at if scene.drive.law.speed > 0 else at[::-1]
         else:
             request = Sampling(samples=count)
             at = request.times(scene)
             beside = np.abs(at[:, np.newaxis] - edges).min(axis=1)
-            at, least = np.where(beside > HAIR * scene.drive.cycle, at, np.nan), HAIR * scene.drive.cycle
+            at, least = np.where(beside > HAIR * scene.cycle, at, np.nan), HAIR * scene.cycle
         own = np.clip(np.searchsorted(edges, np.nan_to_num(at), side="right"), 1, len(edges) - 1)
         width = np.ptp(edges) * 10.0 ** chance.uniform(*WIDTHS, len(at))
         share = chance.uniform(0, 1, len(at))
@@ -67,14 +67,14 @@ class Places:
         if self.request is None:
             return analytic.solve(self.scene, self.at)
         time = self.request.times(self.scene)
-        return analytic.solve(self.scene, self.scene.drive.at(time).position, time)
+        return analytic.solve(self.scene, self.scene.drive.law.at(time).position, time)
 
 
 def _edges(scene: Scene) -> Samples:
-    drive = scene.drive
-    if isinstance(drive, ConstantSpeed):
-        return np.array(drive.extent)
-    return np.array([*(piece.begin for piece in drive.pieces), drive.cycle])
+    law = scene.drive.law
+    if isinstance(law, ConstantSpeed):
+        return np.array(law.extent)
+    return np.array([*(piece.begin for piece in law.pieces), law.cycle])
 
 
 def with_magnitudes(scene: Scene, motion: Motion) -> Mapping[str, Samples]:
@@ -133,9 +133,9 @@ def turn(scene: Scene, count: int = 90) -> Samples:
 
 def motion_at(scene: Scene, way: Samples) -> Motion:
     """The core's motion at positions, or at instants under a law."""
-    if isinstance(scene.drive, ConstantSpeed):
+    if isinstance(scene.drive.law, ConstantSpeed):
         return analytic.solve(scene, way)
-    return analytic.solve(scene, scene.drive.at(way).position, way)
+    return analytic.solve(scene, scene.drive.law.at(way).position, way)
 
 
 def peaks(samples: Mapping[str, Samples]) -> dict[str, float]:

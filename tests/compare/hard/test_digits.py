@@ -87,8 +87,8 @@ def test_the_nearest_lock_is_looked_at_from_close_by() -> None:
     assert nearest in stops
     assert (np.sort(np.abs(stops - nearest))[1:5] < 1e-4).all()
     assert (np.diff(stops) > 0).all()
-    assert isinstance(scene.drive, ConstantSpeed)
-    back = replace(scene, drive=replace(scene.drive, speed=-scene.drive.speed))
+    assert isinstance(scene.drive.law, ConstantSpeed)
+    back = scene.with_law(replace(scene.drive.law, speed=-scene.drive.law.speed))
     assert (np.diff(positions(back, nearest)) < 0).all()  # as the drive comes by
     part = scene_files.load("slider_crank", {"drive.start": 0.5, "drive.end": 1.5})
     assert positions(part, 0.5).min() == 0.5  # a way that ends is not left

@@ -32,7 +32,7 @@ def test_a_corner_between_samples_is_found() -> None:
 def test_a_corner_of_any_table_is_found(over: str) -> None:
     """A force on a gas spring's rod that is largest at one entry, between samples, and seen in its drive's effort."""
     scene, row = scene_files.load("gas_spring"), 1234.567891
-    turn = float(scene.drive.cycle)
+    turn = float(scene.cycle)
     at = analytic.solve(scene, [row / 3600 * 2 * np.pi]).samples
     along = np.exp(1j * at["cylinder.angle"][0])
     apart = at["R.x"][0] - 0.7 + 1j * (at["R.y"][0] + 0.15)

@@ -245,7 +245,7 @@ def test_the_stroke_ends_between_samples(pressing: Reference) -> None:
 
     def turned(first: float, by: float) -> MotionVectors:
         way = np.linspace(0, by, 73)
-        return MotionVectors(scene, pressing.at(scene.drive.start + first + way, way / (2 * np.pi)))
+        return MotionVectors(scene, pressing.at(scene.drive.law.start + first + way, way / (2 * np.pi)))
 
     whole, half = turned(0.3, 2 * np.pi), turned(0.0, 3.0)
     assert whole.stroke_end(load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative

@@ -50,7 +50,7 @@ def test_bounds_are_of_the_whole_run(case: str) -> None:
     assert effort.min() - slack <= least.low <= effort.min() + 1e-9
     assert effort.max() - 1e-9 <= most.high <= effort.max() + slack
     for row, place in ((least, effort.argmin()), (most, effort.argmax())):
-        over = dense.commanded(scene) if isinstance(scene.drive, ConstantSpeed) else dense.times(scene)
+        over = dense.commanded(scene) if isinstance(scene.drive.law, ConstantSpeed) else dense.times(scene)
         step = 3 * abs(over[1] - over[0])
         assert row.position_low - step <= over[place] <= row.position_high + step
 

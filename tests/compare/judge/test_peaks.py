@@ -140,7 +140,7 @@ def circles(a: complex, r: float, b: complex, s: float, *, left: bool) -> comple
 @pytest.mark.parametrize("name", ["toggle_press", "four_bar"])
 def test_peaks_are_where_ten_times_as_many_samples_have_them(name: str) -> None:
     scene = scene_files.load(name)
-    motion = analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 36_001)))
+    motion = analytic.solve(scene, scene.drive.law.after(np.linspace(0, 1, 36_001)))
     q = numbers(name)
     for pin in scene.pins:
         x, y = motion[f"{pin.channel}.fx"], motion[f"{pin.channel}.fy"]
@@ -174,7 +174,7 @@ def test_work_against_the_forces_that_take_it() -> None:
 def test_peaks_where_a_force_comes_or_goes() -> None:
     """The press force sets in between two samples, and the torque jumps to its peak there."""
     scene = scene_files.load("crank_press")
-    motion = analytic.solve(scene, scene.drive.after(np.linspace(0.4, 0.5, 200_001)))
+    motion = analytic.solve(scene, scene.drive.law.after(np.linspace(0.4, 0.5, 200_001)))
     peak = np.abs(motion["drive.torque"]).max()  # itself off by half a step, 3e-6 rad, times the torque's slope of 3
     assert numbers("crank_press")["peak driving torque"].value == pytest.approx(peak, rel=1e-5)
 
@@ -263,7 +263,7 @@ def test_no_quick_return_of_two_strokes() -> None:
 
 def test_a_point_has_a_stroke_and_no_ends() -> None:
     scene = scene_files.load("four_bar")
-    motion = analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 36_001)))
+    motion = analytic.solve(scene, scene.drive.law.after(np.linspace(0, 1, 36_001)))
     q = numbers("four_bar")
     assert not {"closed dead point", DWELL, "quick return"} & set(q)
     path = motion["T.x"][::20] + 1j * motion["T.y"][::20]
@@ -291,9 +291,9 @@ def test_the_drive_of_a_crank_that_turns_backwards() -> None:
 def test_a_law_has_its_places_in_its_time() -> None:
     q = numbers("turning_law")
     scene = scene_files.load("turning_law")
-    motion = analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 11_001)), np.linspace(0, 1.1, 11_001))
+    motion = analytic.solve(scene, scene.drive.law.after(np.linspace(0, 1, 11_001)), np.linspace(0, 1.1, 11_001))
     most = int(np.abs(motion["drive.torque"]).argmax())
-    drives = motion["drive.torque"][most] * scene.drive.at(motion["time"][most]).rate > 0
+    drives = motion["drive.torque"][most] * scene.drive.law.at(motion["time"][most]).rate > 0
     power = "peak driving torque" if drives else "peak braking torque"
     for name, channel in (("peak speed", "E.vx"), ("peak acceleration", "E.ax"), (power, "drive.torque")):
         row = int(np.abs(motion[channel]).argmax())

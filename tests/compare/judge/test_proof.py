@@ -76,7 +76,7 @@ def test_a_larger_group_has_a_mechanical_advantage_in_place_of_an_angle() -> Non
     fastest = np.hypot(motion[f"{output}.vx"], motion[f"{output}.vy"]).max()
     found = re.search(r"has at least ([\d.]+) \S+ for each \S+ of the drive", proven)
     assert found is not None, proven
-    assert float(found[1]) == pytest.approx(abs(scene.drive.speed) / fastest, rel=1e-3)  # type: ignore[union-attr]
+    assert float(found[1]) == pytest.approx(abs(scene.drive.law.speed) / fastest, rel=1e-3)  # type: ignore[union-attr]
     assert "transmission" not in proven
 
 

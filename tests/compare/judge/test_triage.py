@@ -33,7 +33,7 @@ def spoilt(motion: Motion, samples: dict[str, Samples]) -> Motion:
 
 def late(reference: Reference, by: float) -> Motion:
     instants = SAMPLING.times(reference.scene) - by
-    return reference.at(reference.scene.drive.at(instants).position, instants)
+    return reference.at(reference.scene.drive.law.at(instants).position, instants)
 
 
 def in_frame(motion: Motion, joint: str, body: str) -> dict[str, Samples]:
@@ -126,7 +126,7 @@ def test_a_lag_is_counted_in_samples_where_their_steps_are_equal(references: Ref
     instants = np.linspace(0.0, 1.0, 61)
     if not even:
         instants = instants + 0.005 * np.sin(2 * np.pi * instants)
-    off = reference.at(reference.scene.drive.at(instants - 2e-3).position, instants)
+    off = reference.at(reference.scene.drive.law.at(instants - 2e-3).position, instants)
     motion = Motion({**off.samples, "time": instants})
     named = cause(reference, Instants(tuple(instants)), motion)
     assert named.kind is Kind.lag

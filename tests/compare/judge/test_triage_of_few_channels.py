@@ -35,10 +35,10 @@ def reference(references: References) -> Reference:
 
 def commanded(scene: Scene, slower: float = 1.0, speed: float = 1.0) -> dict[str, Samples]:
     """Return the motion at instants that are further apart, the drive at another speed."""
-    drive, times = scene.drive, slower * SAMPLING.times(scene)
-    assert isinstance(drive, ConstantSpeed)
-    drive = replace(drive, speed=speed * drive.speed)
-    return dict(registry.reference(replace(scene, drive=drive))(drive.at(times).position, times).samples)
+    law, times = scene.drive.law, slower * SAMPLING.times(scene)
+    assert isinstance(law, ConstantSpeed)
+    law = replace(law, speed=speed * law.speed)
+    return dict(registry.reference(scene.with_law(law))(law.at(times).position, times).samples)
 
 
 def seen(reference: Reference, samples: dict[str, Samples], channels: Collection[str]) -> Evidence:

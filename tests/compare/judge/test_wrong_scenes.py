@@ -78,7 +78,7 @@ def test_what_has_no_number_in_the_scene_is_named(references: References) -> Non
     assert words(scene, named) == "the load at P5 is missing"
     force = 1e4 * np.sign(commanded(reference)["P5.vy"])  # against the motion of the slider
     motion = commanded(reference)
-    slow = motion["P5.vy"] * force / reference.scene.drive.at(motion["time"]).rate
+    slow = motion["P5.vy"] * force / reference.scene.drive.law.at(motion["time"]).rate
     named = cause(reference, SAMPLING, spoilt(motion, {"drive.torque": motion["drive.torque"] + slow}))
     assert (named.kind, named.place) == (Kind.friction, "slider")
 

@@ -76,7 +76,7 @@ def test_a_point_that_moves_little_is_judged_by_its_own_travel(
 
 def test_scales_of_points(beside_a_lever: Reference) -> None:
     """The guide's moment is nothing by symmetry: relative to its force times the travel of the slider."""
-    w, scale = beside_a_lever.scene.drive.peak_rate, beside_a_lever.scale
+    w, scale = beside_a_lever.scene.drive.law.peak_rate, beside_a_lever.scale
     expected = {"B.x": 0.0375, "B.vx": 0.0375 * w, "B.ax": 0.0375 * w**2}
     expected["slider.guide_moment"] = 0.0375 * scale["slider.guide_force"]
     assert {channel: scale[channel] for channel in expected} == pytest.approx(expected, rel=1e-6)

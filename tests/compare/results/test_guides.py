@@ -21,7 +21,7 @@ TURN = 0.4  # rad, of another frame
 def _columns(scene: Scene, body: str, turn: float = 0.0) -> dict[str, Samples]:
     """Return the components of the guide's force in a frame that is turned: the guide's normal times the force."""
     times = instants(scene, 40)
-    true = analytic.solve(scene, scene.drive.at(times).position, times)
+    true = analytic.solve(scene, scene.drive.law.at(times).position, times)
     slide = scene.slides[body]
     angle = true[f"{slide.on}.angle"] if slide.on in scene.turning else 0 * times
     force = true[f"{body}.guide_force"] * 1j * complex(*slide.along) * np.exp(1j * (angle - turn))

@@ -53,7 +53,7 @@ def test_joints_by_the_axes_of_their_links_are_named(tmp_path: Path) -> None:
     """Each column is named; none is read as a channel that it is like by chance, as A's is an acceleration."""
     scene = scenes.load("four_bar")
     times = instants(scene, 60)
-    true = analytic.solve(scene, scene.drive.at(times).position, times)
+    true = analytic.solve(scene, scene.drive.law.at(times).position, times)
     columns = Writer().columns(scene, times, ["T.x", "T.y"])
     for pin, body in (("A", "coupler"), ("B", "rocker")):
         vector = (true[f"{pin}.fx"] + 1j * true[f"{pin}.fy"]) * np.exp(-1j * (true[f"{body}.angle"] + 0.3))

@@ -22,7 +22,7 @@ GROUPS = {"speed": "velocity", "acceleration": "acceleration", "force": "reactio
 def _columns(scene: Scene) -> dict[str, Samples]:
     """Return all magnitudes as lengths of their vectors, and the transmission angles; SI."""
     times = np.append(0.0, instants(scene, 60, 1.0))
-    true = analytic.solve(scene, scene.drive.at(times).position, times)
+    true = analytic.solve(scene, scene.drive.law.at(times).position, times)
     lengths = {name: np.hypot(true[x], true[y]) for name, (x, y) in magnitudes(scene).items()}
     angles = {name: true[name] for name in true.samples if name.endswith(".transmission")}
     assert angles

@@ -33,10 +33,10 @@ def assessed(references: References, folder: Path, columns: Mapping[str, Samples
 @pytest.mark.parametrize("everything", [False, True])
 def test_whole_degrees_excuse_no_lag(tmp_path: Path, references: References, timed: bool, everything: bool) -> None:
     """A lag of 0.2 deg is above the promise at every joint, and a drive in whole degrees shows half of one."""
-    speed = PRESS.drive.peak_rate
+    speed = PRESS.drive.law.peak_rate
     times = instants(PRESS, 60) if timed else np.radians(np.arange(0.0, 360.0, 5.0)) / speed
     names = channels(PRESS) if everything else ["P5.y", "P5.vy"]
-    angle = np.degrees(PRESS.drive.at(times).position)
+    angle = np.degrees(PRESS.drive.law.at(times).position)
     for lag, status in ((0.0, "ok"), (0.2, "inaccurate")):
         late = Writer().columns(PRESS, times - np.radians(lag) / speed, names)
         axis = {"time": times, "crank_angle": angle} if timed else {"crank_angle": angle}
@@ -47,7 +47,7 @@ def test_whole_degrees_excuse_no_lag(tmp_path: Path, references: References, tim
 def test_a_drive_that_is_off_by_more_than_its_decimals(tmp_path: Path, references: References) -> None:
     times = instants(PRESS, 30)
     columns = Writer().columns(PRESS, times, ["P5.y"])
-    angle = np.degrees(PRESS.drive.at(times).position)
+    angle = np.degrees(PRESS.drive.law.at(times).position)
     for off, status in ((0.04, "ok"), (0.2, "inconsistent")):
         found = assessed(references, tmp_path, columns | {"crank_angle": angle + off}, crank_angle=".1f")
         assert found.run.status.name == status, found.run.reason
@@ -57,7 +57,7 @@ def test_a_drive_that_is_off_by_more_than_its_decimals(tmp_path: Path, reference
 def test_decimals_may_put_a_press_on_the_other_side_of_its_switch(tmp_path: Path, references: References) -> None:
     """At four digits a millimetre decides whether 1600 kN act; the forces of the other side are wrong there too."""
     scene = scenes.load("servo_press")
-    writer, times = Writer(1e-3, np.pi / 180, 1e3, decimals=".4g"), np.arange(60.0) * round(scene.drive.cycle / 60, 4)
+    writer, times = Writer(1e-3, np.pi / 180, 1e3, decimals=".4g"), np.arange(60.0) * round(scene.cycle / 60, 4)
     columns = writer.columns(scene, times, channels(scene))
     wrong = columns | {c: -columns[c] for c in ("P5.fx", "P5.fy")}
     for written, status in ((columns, "ok"), (wrong, "inconsistent")):
@@ -106,7 +106,7 @@ def test_a_part_of_the_cycle_confirms_no_channel(
     tmp_path: Path, references: References, rows: int, turns: float, word: str
 ) -> None:
     """Sixty rows over all but the last step are the whole cycle; seven are fewer than engines are asked for."""
-    times = np.linspace(0.0, turns * PRESS.drive.cycle, rows)
+    times = np.linspace(0.0, turns * PRESS.cycle, rows)
     file = Writer().file(tmp_path, Writer().columns(PRESS, times, channels(PRESS)))
     results, nothing = [read_result(PRESS, f"theirs={file}")], ((), "")
     judged = judgement(references(PRESS.name), [], Sampling(24), lambda _: nothing, lambda _: None, results=results)
@@ -121,9 +121,9 @@ def test_a_part_of_the_cycle_confirms_no_channel(
 def test_rows_outside_the_run_of_a_drive_are_refused(name: str, late: float, tmp_path: Path) -> None:
     """There the drive asks for nothing: a spline goes on as it likes, and a body beyond its end may not assemble."""
     scene = scene_files.load(name)
-    assert not scene.drive.periodic
-    times = np.linspace(0.0, scene.drive.cycle, 20)
-    columns = {**Writer().columns(scene, times, [f"{scene.output}.x"]), "time": times + late * scene.drive.cycle}
+    assert not scene.periodic
+    times = np.linspace(0.0, scene.cycle, 20)
+    columns = {**Writer().columns(scene, times, [f"{scene.output}.x"]), "time": times + late * scene.cycle}
     with pytest.raises(InputError, match="while the drive runs"):
         read_result(scene, f"theirs={Writer().file(tmp_path, columns)}")
     rounded = Writer(decimals=".3f").file(tmp_path, {**columns, "time": times})
@@ -157,7 +157,7 @@ def test_places_in_another_unit_are_no_other_assembly(tmp_path: Path, references
 def test_a_press_force_acts_by_the_whole_stroke(first: float, tmp_path: Path, references: References) -> None:
     """Rows of a part of the cycle do not show where the closing stroke ends."""
     scene = scenes.load("crank_press")
-    times = scene.drive.cycle * (first + np.array([0.0, 0.01, 0.02]))
+    times = scene.cycle * (first + np.array([0.0, 0.01, 0.02]))
     file = Writer().file(tmp_path, Writer().columns(scene, times, channels(scene)))
     found = assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
     assert found.run.status.name == "ok", found.run.reason

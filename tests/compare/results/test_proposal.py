@@ -75,7 +75,7 @@ def test_the_command_prints_it_and_writes_nothing(
 def test_a_log_that_starts_late_is_in_no_other_frame(name: str, tmp_path: Path) -> None:
     """Columns in another order are no frame; and where the drive runs once, it runs within that."""
     scene = scene_files.load(name)
-    times, late = np.linspace(0, scene.drive.cycle, 50), 0.4 * scene.drive.cycle
+    times, late = np.linspace(0, scene.cycle, 50), 0.4 * scene.cycle
     columns = Writer().columns(scene, times, [f"{scene.output}.{axis}" for axis in "yx"]) | {"time": times + late}
     lines = proposed(scene, f"theirs={Writer().file(tmp_path, columns)}").splitlines()
     assert not [line for line in lines if line.startswith("frame")]
@@ -101,8 +101,8 @@ def _proposal(scene: Scene, names: list[str], moved: Moved, folder: Path) -> tup
     times = instants(scene, 60)
     writer = Writer(turn=turn, decimals=".10g")
     own = writer.columns(scene, times, names)
-    columns = {"time": own.pop("time") + lag / 360 * scene.drive.cycle} if by != "crank" else {}
-    columns |= {"crank_angle": scene.drive.at(times).position + zero} if by != "time" else {}
+    columns = {"time": own.pop("time") + lag / 360 * scene.cycle} if by != "crank" else {}
+    columns |= {"crank_angle": scene.drive.law.at(times).position + zero} if by != "time" else {}
     file = writer.file(folder, columns | own)
     lines = proposed(scene, f"theirs={file}").splitlines()
     sure = [line.split('"')[1] for line in lines if "# sure" in line]
@@ -111,12 +111,12 @@ def _proposal(scene: Scene, names: list[str], moved: Moved, folder: Path) -> tup
     file.with_suffix(".toml").write_text("\n".join(lines))
     read = read_result(scene, f"theirs={file}").run.motion
     assert read is not None
-    true = analytic.solve(scene, scene.drive.at(times).position, times)
+    true = analytic.solve(scene, scene.drive.law.at(times).position, times)
     off = {c: read[c] - true[c] for c in sure}
     off |= {c: np.angle(np.exp(1j * off[c])) for c in sure if quantity(c) == "angle"}
     sizes = {c: max(np.abs(true[f"{c[:-1]}{q}"]).max() for q in ("xy" if c[-1] in "xy" else c[-1])) for c in sure}
     wrong = [c for c in sure if not np.abs(off[c]).max() <= CLOSE_TO_TRUE * sizes[c]]
-    cycles = (read["time"] - times) / scene.drive.cycle
+    cycles = (read["time"] - times) / scene.cycle
     return len(sure), wrong + ["time"] * bool(not np.abs(cycles - np.round(cycles)).max() <= CLOSE_TO_TRUE / (2 * pi))
 
 
@@ -134,7 +134,7 @@ def test_it_is_never_sure_and_wrong(name: str, every: int, tmp_path: Path) -> No
     places = [c for c in channels(scene) if quantity(c) in ("x", "y", "angle")]
     output = [c for c in places if c.startswith(f"{scene.output}.")]
     for names in (output, places):
-        for moved in MOVED[::every] if isinstance(scene.drive, ConstantSpeed) else MOVED[6::every]:
+        for moved in MOVED[::every] if isinstance(scene.drive.law, ConstantSpeed) else MOVED[6::every]:
             count, wrong = _proposal(scene, names, moved, tmp_path)
             assert not wrong, (moved, wrong)
             assert count or names == output, moved

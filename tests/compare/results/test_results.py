@@ -85,8 +85,8 @@ def test_the_reference_is_evaluated_at_its_instants_and_never_interpolated(
 def test_the_axis_may_be_the_drives_position_and_run_backwards(tmp_path: Path, references: References) -> None:
     """Against the drive from 200 degrees on, counted modulo one turn: velocities are the opposite then."""
     scene = scenes.load("four_bar")
-    time = np.linspace(1.6, 0.2, 61) * scene.drive.cycle
-    angle = scene.drive.at(time).position
+    time = np.linspace(1.6, 0.2, 61) * scene.cycle
+    angle = scene.drive.law.at(time).position
     columns = Writer().columns(scene, time, ["T.x", "T.y", "T.vx", "T.vy", "T.ax", "crank.angle"])
     way = {c: -columns[c] if ".v" in c else columns[c] for c in columns if c != "time"}
     for mapping, status in (("backwards = true", "ok"), ("", "expected a later instant")):
@@ -119,7 +119,7 @@ def test_a_run_reports_where_a_result_comes_from(
     scene = scenes.load("four_bar")
     writer = replace(ELSEWHERE, decimals=".6f")
     good = writer.file(tmp_path, writer.columns(scene, instants(scene), channels(scene)), MAPPED, "good")
-    columns = Writer().columns(scene, scene.drive.cycle * np.linspace(0, 1, 49), ["T.x", "T.y"])
+    columns = Writer().columns(scene, scene.cycle * np.linspace(0, 1, 49), ["T.x", "T.y"])
     bad = Writer().file(tmp_path, columns | {"T.y": -columns["T.y"]}, name="bad")
     with only_few_settings():
         asked = ["four_bar", "--engines", "analytic", "--samples", "36", "--check"]

@@ -52,7 +52,7 @@ def by_angle(size: float) -> Spoil:
     orders = {"vx": 1, "vy": 1, "omega": 1, "ax": 2, "ay": 2, "alpha": 2}
 
     def spoil(scene: Scene, columns: Columns) -> Columns:
-        rate = float(scene.drive.at(0.0).rate)
+        rate = float(scene.drive.law.at(0.0).rate)
         return {c: v * (size / rate) ** orders.get(quantity(c), 0) for c, v in columns.items()}
 
     return spoil
@@ -61,7 +61,7 @@ def by_angle(size: float) -> Spoil:
 def late(by: float) -> Spoil:
     def spoil(scene: Scene, columns: Columns) -> Columns:
         names = [c for c in columns if c != "time"]
-        return WRITER.columns(scene, columns["time"] - by * scene.drive.cycle, names) | {"time": columns["time"]}
+        return WRITER.columns(scene, columns["time"] - by * scene.cycle, names) | {"time": columns["time"]}
 
     return spoil
 
@@ -83,7 +83,7 @@ def in_rpm(_: Scene, columns: Columns) -> Columns:
 
 def over_degrees(scene: Scene, columns: Columns) -> Columns:
     """Return rows by the crank's angle, in degrees."""
-    angle = np.degrees(scene.drive.at(columns["time"]).position)
+    angle = np.degrees(scene.drive.law.at(columns["time"]).position)
     return {"crank_angle": angle} | {c: v for c, v in columns.items() if c != "time"}
 
 

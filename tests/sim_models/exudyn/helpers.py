@@ -53,7 +53,7 @@ def meeting_spring(length: float, **more: float) -> scene_files.Changes:
 def referred(name: str) -> tuple[Scene, dict[str, NDArray[np.float64]]]:
     """A scene, and its motion at 61 instants from equations written in the tests."""
     scene = scene_files.load(name)
-    return scene, solve(scene, *scene.drive.at(Sampling(60).times(scene)))
+    return scene, solve(scene, *scene.drive.law.at(Sampling(60).times(scene)))
 
 
 LEVEL = {

@@ -198,7 +198,7 @@ def test_cylinder_lifts_a_weight(settings: ExudynSettings, limit: float) -> None
     scene = described(LIFT)
     motion = run(scene, settings)
     assert set(motion.samples) == set(channels(scene))
-    assert np.abs(motion["drive.displacement"] - scene.drive.at(motion["time"]).position).max() <= 1e-12
+    assert np.abs(motion["drive.displacement"] - scene.drive.law.at(motion["time"]).position).max() <= 1e-12
     out = 5.5 + motion["drive.displacement"]  # of the guide, which passes A at 0.2 m
     sine = (13 - out**2 - 0.2**2) / 12
     force = -70 * 2 / 3 * out
@@ -225,7 +225,7 @@ def test_elbow_pushes_a_slider(settings: ExudynSettings, limit: float) -> None:
     """
     scene = described(ELBOW)
     motion = run(scene, settings)
-    half = scene.drive.at(motion["time"]).position / 2 - np.pi
+    half = scene.drive.law.at(motion["time"]).position / 2 - np.pi
     expected = {"crank_angle": 2 * (half + np.pi), "S.x": 2 * np.cos(half), "boom.angle": -half}
     expected |= {"drive.torque": -30 * np.sin(half), "A.fx": 30 + 0 * half, "P.fx": 30 + 0 * half}
     expected |= dict.fromkeys(("A.fy", "P.fy", "slider.guide_force", "slider.guide_moment"), 0 * half)

@@ -53,7 +53,7 @@ def test_kinematic_linkage_close_to_its_change_points() -> None:
     # Masses of 1 kg would take forces there whose round-off is above the tolerance of Newton's method.
     scene = scene_files.load("parallelogram", {"bodies.crank.lengths.A-B": 0.299})
     motion = run(scene, DEFAULT)
-    assert max(by_level(motion, solve(scene, *scene.drive.at(motion["time"]))).values()) <= DEFAULT.promise
+    assert max(by_level(motion, solve(scene, *scene.drive.law.at(motion["time"]))).values()) <= DEFAULT.promise
 
 
 def test_settings_round_steps_up_to_whole_samples() -> None:

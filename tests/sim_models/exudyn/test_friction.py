@@ -33,7 +33,7 @@ EASY = {EXACT: 1e-9, DEFAULT: 1e-4}  # measured 1e-10, by differences, and 1e-5
 def referred(scene: Scene) -> dict[str, Any]:
     """Its motion from equations written in the tests."""
     times = Sampling(SAMPLES).times(scene)
-    return solve(scene, *scene.drive.at(times), times)
+    return solve(scene, *scene.drive.law.at(times), times)
 
 
 def off(motion: Motion, expected: dict[str, Any]) -> float:
@@ -61,9 +61,9 @@ def test_viscous_and_smooth(more: dict[str, float]) -> None:
 def test_the_drive_pays_for_friction(name: str, settings: TimeStepping) -> None:
     """Its power is more than without friction by just what friction takes, since nothing moves otherwise."""
     plain = scene_files.load(name)
-    scene, effort = everywhere(plain, 0.1), "drive.torque" if plain.driven_slide is None else "drive.force"
+    scene, effort = everywhere(plain, 0.1), "drive.torque" if plain.drive.slide is None else "drive.force"
     motion, before = run(scene, settings, SAMPLES), run(plain, settings, SAMPLES)
-    power = (motion[effort] - before[effort]) * scene.drive.at(motion["time"]).rate
+    power = (motion[effort] - before[effort]) * scene.drive.law.at(motion["time"]).rate
     taken = motion["friction.power"]
     assert (taken <= 0).all()
     assert taken.min() < 0

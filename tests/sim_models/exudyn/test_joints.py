@@ -119,13 +119,13 @@ def test_press_load_switches_where_the_scene_says(direction: int, begin: float) 
 
 @pytest.mark.parametrize("name", ["turning_law", "swinging_law"])
 def test_pieces_are_the_law(name: str) -> None:
-    drive = referred(name)[0].drive
-    end = (2.5 if drive.periodic else 1.0) * drive.cycle
+    law = referred(name)[0].drive.law
+    end = (2.5 if law.periodic else 1.0) * law.cycle
     running = ExudynDrive()
-    parts = pieces(drive, end)
+    parts = pieces(law, end)
     running.run(parts, 0.05)
     for clock in np.linspace(0, end - 0.05, 57):
-        position, rate, acceleration = map(float, drive.at(clock + 0.05))
+        position, rate, acceleration = map(float, law.at(clock + 0.05))
         assert running.position(clock) == pytest.approx(position, abs=1e-13)
         assert running.rate(clock) == pytest.approx(rate, abs=1e-12)
         alone = ExudynDrive()
@@ -137,11 +137,11 @@ def test_pieces_are_the_law(name: str) -> None:
 
 def test_pieces_end_where_the_jerk_jumps() -> None:
     """At the last knots but one of a spline that is not periodic it does not."""
-    law = MotionLaw("crank", (0.0, 0.1, 0.3, 0.5, 0.9, 1.0), (0.0, 1.0, 0.5, 2.0, 2.0, 0.0), periodic=False)
+    law = MotionLaw((0.0, 0.1, 0.3, 0.5, 0.9, 1.0), (0.0, 1.0, 0.5, 2.0, 2.0, 0.0), periodic=False)
     assert [piece.begin for piece in pieces(law, 1.0)] == [0.0, 0.3, 0.5]
     periodic = replace(law, periodic=True)
     assert [piece.begin for piece in pieces(periodic, 1.7)] == [*law.times[:-1], *(1 + t for t in law.times[:-1])]
-    assert len(pieces(ConstantSpeed("crank", 2.0, 0.0, None), 100.0)) == 1
+    assert len(pieces(ConstantSpeed(2.0, 0.0, None), 100.0)) == 1
 
 
 @pytest.mark.parametrize("start", [165.0, 165.9])

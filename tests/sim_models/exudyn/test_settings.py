@@ -39,7 +39,7 @@ STEPS_360 = TimeStepping("", steps=360, richardson=False)
 def exact(name: str) -> tuple[Scene, dict[str, NDArray[np.float64]]]:
     """A shipped scene, and its motion at 25 instants from equations written in the tests."""
     scene = scenes.load(name)
-    return scene, solve(scene, *scene.drive.at(Sampling(24).times(scene)))
+    return scene, solve(scene, *scene.drive.law.at(Sampling(24).times(scene)))
 
 
 def error(name: str, settings: ExudynSettings) -> float:
@@ -77,8 +77,8 @@ def test_without_a_run_up_the_transient_is_of_order_one() -> None:
     scene = scenes.load("toggle_press")
 
     def off(steps: int) -> float:
-        at = np.arange(4) * scene.drive.cycle / steps
-        true = solve(scene, *scene.drive.at(at))
+        at = np.arange(4) * scene.cycle / steps
+        true = solve(scene, *scene.drive.law.at(at))
         motion = run(scene, replace(STEPS_360, steps=steps, pre_roll=0), samples=steps)
         return float(np.abs(motion["P5.ay"][3] - true["P5.ay"][3]))
 

@@ -29,7 +29,7 @@ def off(command: Command, *expected: Fraction) -> float:
 @pytest.mark.parametrize("times", [(0, 1, 3, 4), (0, 1, 2, 5, 6, 8)])
 def test_a_cubic_has_no_knots(times: tuple[int, ...]) -> None:
     """Not-a-knot at both ends, any cubic is its own spline: s = t^3 - 5 t^2 + 2 t + 1."""
-    law = MotionLaw("crank", times, tuple(t**3 - 5 * t**2 + 2 * t + 1 for t in times), periodic=False)
+    law = MotionLaw(times, tuple(t**3 - 5 * t**2 + 2 * t + 1 for t in times), periodic=False)
     of = law_of(law)
     for cycles in (Fraction(k, 7) for k in range(8)):
         t = cycles * times[-1]
@@ -41,7 +41,7 @@ def test_a_cubic_has_no_knots(times: tuple[int, ...]) -> None:
 def test_a_periodic_law_by_hand(gain: int) -> None:
     """0, 1, 0, -1 at whole instants: (1) has the solution M = -3 s. A gain adds its line, period after period."""
     table = [s + Fraction(gain, 4) * t for t, s in enumerate((0, 1, 0, -1, 0))]
-    of = law_of(MotionLaw("crank", (0, 1, 2, 3, 4), tuple(map(float, table)), periodic=True))
+    of = law_of(MotionLaw((0, 1, 2, 3, 4), tuple(map(float, table)), periodic=True))
     for turn in (0, 1, 5):
         for t, s, v, a in ((0, 0, Fraction(3, 2), 0), (1, 1, 0, -3), (3, -1, 0, 3)):
             position = s + Fraction(gain, 4) * (t + 4 * turn)

@@ -1,6 +1,5 @@
 """Reactions and the drive's effort, worked by hand."""
 
-from dataclasses import replace
 from math import cos, sin, sqrt
 
 import numpy as np
@@ -32,7 +31,7 @@ def stroke_end(scene: Scene, force: float) -> float:
     with flint.ctx.workdps(50):
         linkage = LinkageEquations(scene)
         continuation = continuing(linkage)
-        q = continuation.follow(closed(linkage, continuation), linkage.drive(scene.drive.start))
+        q = continuation.follow(closed(linkage, continuation), linkage.drive(scene.drive.law.start))
         return end_of_stroke(linkage, continuation, q, load.body, closing_sign(scene, load))
 
 
@@ -52,12 +51,12 @@ def test_a_closing_stroke_ends_where_a_run_does() -> None:
     way = slider_crank({"drive.start": 0.5, "drive.end": 2.5})
     assert abs(stroke_end(way, -1.0) - reach(0.5)) <= 4 * EPS
     assert abs(stroke_end(way, 1.0) - reach(2.5)) <= 4 * EPS
-    law = MotionLaw("crank", (0.0, 1.0, 2.0, 3.0), (1.0, 1.0 + 4 / 9, 1.0 + 2 / 9, 1.0), periodic=False)
+    law = MotionLaw((0.0, 1.0, 2.0, 3.0), (1.0, 1.0 + 4 / 9, 1.0 + 2 / 9, 1.0), periodic=False)
     a, b, c = np.polyfit(law.times, law.positions, 3)[:3]  # four entries: the spline is one cubic
     turn = (-b - sqrt(b * b - 3 * a * c)) / (3 * a)
     farthest = float(law.at(turn).position)
-    assert abs(stroke_end(replace(way, drive=law), 1.0) - reach(farthest)) <= 4 * EPS
-    assert abs(stroke_end(replace(way, drive=law), -1.0) - reach(float(law.extent[0]))) <= 4 * EPS
+    assert abs(stroke_end(way.with_law(law), 1.0) - reach(farthest)) <= 4 * EPS
+    assert abs(stroke_end(way.with_law(law), -1.0) - reach(float(law.extent[0]))) <= 4 * EPS
 
 
 def test_spring_without_a_direction_is_refused() -> None:

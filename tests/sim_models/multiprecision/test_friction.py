@@ -35,7 +35,7 @@ by_scene = pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=S
 def test_every_channel_is_that_of_the_tests_own_equations(name: str) -> None:
     scene = everywhere(scene_files.load(name), 0.1, viscous=0.3)
     time = Sampling(SAMPLES).times(scene)
-    expected = solve(scene, *scene.drive.at(time), time)
+    expected = solve(scene, *scene.drive.law.at(time), time)
     for channel, error in errors(run(scene, SAMPLES), expected).items():
         assert error.max() <= FORCES, channel
 
@@ -45,7 +45,7 @@ def test_a_smooth_friction_is_less_where_a_joint_is_slow() -> None:
     sharp = everywhere(scene_files.load("rocking_guide"))
     scene = replace(sharp, friction=tuple(replace(friction, smooth=2.0) for friction in sharp.friction))
     motion, time = run(scene, SAMPLES), Sampling(SAMPLES).times(scene)
-    for channel, error in errors(motion, solve(scene, *scene.drive.at(time), time)).items():
+    for channel, error in errors(motion, solve(scene, *scene.drive.law.at(time), time)).items():
         assert error.max() <= FORCES, channel
     assert np.all(motion["friction.power"] > run(sharp, SAMPLES)["friction.power"])
 
@@ -77,9 +77,9 @@ def test_power_is_balanced(name: str) -> None:
     """Drive power + loads' power + gravity + friction.power = d(kinetic energy)/dt; all loads are plain forces."""
     scene = everywhere(scene_files.load(name), 0.2, viscous=0.1)
     motion = run(scene)
-    assert isinstance(scene.drive, ConstantSpeed)
+    assert isinstance(scene.drive.law, ConstantSpeed)
     assert not scene.springs
-    drive = motion["drive.torque"] * scene.drive.speed
+    drive = motion["drive.torque"] * scene.drive.law.speed
     loads = np.zeros(drive.shape)
     for load in scene.loads:
         assert isinstance(load, Force)

@@ -61,7 +61,7 @@ def apart(scene: Scene) -> float:
     time, oracle = SAMPLING.times(scene), agreement.exact(scene, SAMPLING)
     core = analytic.solve(scene, SAMPLING.commanded(scene), time)
     found = agreement.errors(core, oracle.samples)
-    asked, rate = scene.drive.at(time), oracle[f"{scene.drive.body}.omega"]
+    asked, rate = scene.drive.law.at(time), oracle[f"{scene.drive.body}.omega"]
     found["position"] = np.abs(oracle["crank_angle"] - asked.position)
     found["rate"] = np.abs(rate - asked.rate) / np.abs(rate).max()
     return max(float(error.max()) for error in found.values())
@@ -87,13 +87,13 @@ def test_both_take_rows_on_boundaries_for_the_same_segments(periodic: bool) -> N
 Wrong = Callable[..., Any]  # of what is right, and its arguments
 
 
-def faster(right: Wrong, drive: Any, time: Any) -> Any:
-    driven = right(drive, time)
+def faster(right: Wrong, law: Any, time: Any) -> Any:
+    driven = right(law, time)
     return driven._replace(rate=driven.rate * (1 + 1e-6))
 
 
-def late(right: Wrong, drive: Any, time: Any) -> Any:
-    return right(drive, np.asarray(time) - 1e-6 * drive.cycle)
+def late(right: Wrong, law: Any, time: Any) -> Any:
+    return right(law, np.asarray(time) - 1e-6 * law.cycle)
 
 
 def natural(_right: Any, law: MotionLaw) -> CubicSpline:
@@ -117,7 +117,7 @@ def too_early(right: Wrong, load: PressForce, x: Any, v: Any, end: float) -> Any
 BY_FORMULA = {"segments": SegmentedLaw, "harmonics": HarmonicLaw}
 SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
     *(("speed", ConstantSpeed, "at", wrong) for wrong in (faster, late)),
-    ("speed", ConstantSpeed, "after", lambda right, drive, cycles: right(drive, cycles) + 1e-6),
+    ("speed", ConstantSpeed, "after", lambda right, law, cycles: right(law, cycles) + 1e-6),
     ("speed", Sampling, "commanded", lambda right, request, scene: right(request, scene) * (1 + 1e-6)),
     *(("turning law", MotionLaw, "at", wrong) for wrong in (faster, late)),
     ("turning law", MotionLaw, "after", lambda right, law, cycles: right(law, np.asarray(cycles) - 1e-6)),

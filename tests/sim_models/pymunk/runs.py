@@ -46,4 +46,4 @@ def off(values: Array, expected: Array | float) -> float:
 
 def reference(scene: Scene, sampling: Sampling) -> dict[str, Array]:
     """Every channel but the time, by formulas that no model shares."""
-    return absolute_coordinates.solve(scene, *scene.drive.at(sampling.times(scene)))
+    return absolute_coordinates.solve(scene, *scene.drive.law.at(sampling.times(scene)))

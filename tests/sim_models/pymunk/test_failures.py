@@ -159,8 +159,8 @@ def test_what_can_be_turned_is_not_refused(scene: Scene, largest: float) -> None
 
 def test_overflow_is_no_result() -> None:
     scene = slider_crank()
-    assert isinstance(scene.drive, ConstantSpeed)
-    failure = failure_of(replace(scene, drive=replace(scene.drive, speed=1e200)))  # which the file could not say
+    assert isinstance(scene.drive.law, ConstantSpeed)
+    failure = failure_of(scene.with_law(replace(scene.drive.law, speed=1e200)))  # which the file could not say
     assert failure.status is Status.nonfinite
 
 
@@ -202,8 +202,8 @@ def test_the_way_from_the_sketch_takes_no_steps_of_a_short_range(monkeypatch: py
 
 def test_the_run_up_is_no_longer_than_a_cycle() -> None:
     """In a millisecond pymunk corrects 0.6 % of a joint's error: what then is left of it, no run-up takes away."""
-    assert isinstance(PRESS.drive, ConstantSpeed)
-    quick = replace(PRESS, drive=replace(PRESS.drive, speed=1000 * PRESS.drive.speed))
+    assert isinstance(PRESS.drive.law, ConstantSpeed)
+    quick = PRESS.with_law(replace(PRESS.drive.law, speed=1000 * PRESS.drive.law.speed))
     settings = PymunkSettings("", 72, 1, 100, correction=None)
     assert pymunk_model.build(quick, settings, Sampling(72)).counters["steps"] == 2 * 72
 

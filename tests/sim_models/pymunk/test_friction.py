@@ -52,9 +52,9 @@ def test_viscous_and_smooth(more: dict[str, float]) -> None:
 def test_the_drive_pays_for_friction(name: str) -> None:
     """Its power is more than without friction by just what friction takes, since nothing moves otherwise."""
     plain = scene_files.load(name)
-    effort = "drive.torque" if plain.driven_slide is None else "drive.force"
+    effort = "drive.torque" if plain.drive.slide is None else "drive.force"
     motion, before = solve(everywhere(plain), DEFAULT, SAMPLING), solve(plain, DEFAULT, SAMPLING)
-    rate = plain.drive.at(SAMPLING.times(plain)).rate
+    rate = plain.drive.law.at(SAMPLING.times(plain)).rate
     taken = motion["friction.power"]
     assert (taken <= 0).all()
     assert taken.min() < 0

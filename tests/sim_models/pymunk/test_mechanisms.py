@@ -29,9 +29,9 @@ NAMES = (
 def beside_knots(scene: Scene, sampling: Sampling, step: float) -> NDArray[np.bool_]:
     """Which samples have a knot of the law within a step, s: there the acceleration has a kink."""
     times = sampling.times(scene)
-    if not isinstance(scene.drive, MotionLaw):
+    if not isinstance(scene.drive.law, MotionLaw):
         return np.zeros(times.shape, dtype=np.bool_)
-    knots = np.array(scene.drive.times if scene.drive.periodic else scene.drive.times[1:-1])
+    knots = np.array(scene.drive.law.times if scene.periodic else scene.drive.law.times[1:-1])
     return np.asarray(np.abs(times[:, None] - knots).min(axis=1) <= step)
 
 
@@ -53,7 +53,7 @@ def test_mechanisms_are_second_order(name: str) -> None:
     scene, sampling = scene_files.load(name), Sampling(24)
     expected = reference(scene, sampling)
     coarse, fine = (errors(solve(scene, PymunkSettings("", n, 1, 6000), sampling), expected) for n in (288, 576))
-    smooth = ~beside_knots(scene, sampling, scene.drive.cycle / 288)
+    smooth = ~beside_knots(scene, sampling, scene.cycle / 288)
     for order in {kind(channel) for channel in expected} - {kind(scene.drive_channel)}:
         first, second = (max(e[smooth].max() for c, e in by.items() if kind(c) == order) for by in (coarse, fine))
         if first > 1e-7:  # or it is rounding: a constant rate, a moment about the only point
@@ -95,7 +95,7 @@ def test_knots_cost_no_accuracy(name: str, settings: PymunkSettings, largest: fl
 @pytest.mark.parametrize("name", ["swinging_law", "turning_law"])
 def test_the_driven_body_has_the_rates_of_the_law_and_the_joints_stay_closed(name: str) -> None:
     linkage = LinkageConstraints(scene_files.load(name), fictitious_masses)
-    q, law = start(linkage), linkage.scene.drive.at(np.zeros(1))
+    q, law = start(linkage), linkage.scene.drive.law.at(np.zeros(1))
     _, v, a = with_rates_of_law(linkage, np.zeros(1), Motions(q, np.zeros_like(q), np.zeros_like(q)))
     opening = np.zeros(q.size - 1)
     for values, wanted in ((v, law.rate), (a, law.acceleration)):

@@ -98,7 +98,7 @@ CLOSED = {"dump_truck", "scissor_lift"}  # by their cylinder all at once: the sw
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_masses_are_chosen_for_few_sweeps(name: str) -> None:
     scene = scenes.load(name)
-    prescribed = scene.has_masses and scene.drive_on == GROUND  # a body that ballast can hang on
+    prescribed = scene.has_masses and scene.drive.on == GROUND  # a body that ballast can hang on
     masses = (fictitious_masses, ballasted_masses) if prescribed else (fictitious_masses,)
     linkages = [LinkageConstraints(scene, chosen) for chosen in masses]
     fictitious, *ballasted = (contraction(linkage, start(linkage)) for linkage in linkages)
