@@ -14,6 +14,7 @@ with starting(__name__):
     from typing import Any
 
     from scenes import InputError, Scene, load, numbers_in, shipped, write_starter
+    from scenes.file.reader import title_of
 
     from .cli.arguments import COMMANDS, parser, sampling
     from .cli.cost import announce
@@ -41,7 +42,7 @@ def _do(name: str, words: Sequence[str]) -> int:
         case "list", _, _:
             width = max(map(len, (*shipped(), *registry.ENTRIES)))
             for scene in shipped():
-                print(f"scene   {scene:{width}}  {load(scene).title}")
+                print(f"scene   {scene:{width}}  {title_of(scene)}")
             for engine, entry in registry.ENTRIES.items():
                 print(f"engine  {engine:{width}}  {entry.purpose} ({entry.missing or entry.version})")
         case "version", _, _:

@@ -5,6 +5,7 @@ And a first file to change, with the schema by which editors complete and check 
 
 import json
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -64,6 +65,12 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
         scene = _scene(validated(SceneFile, tables, partial(unit_named, tables)), file)
         check_variations(tables, scene)
     return scene
+
+
+def title_of(name: str) -> str:
+    """The title of a shipped scene: it is above the first [table] of its file, of which the rest is not read."""
+    above, *_ = shipped()[name].read_text(encoding="utf-8").partition("\n[")
+    return one_line(str(tomllib.loads(above).get("title", name)), TITLE)
 
 
 def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
