@@ -7,6 +7,7 @@ from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from math import isnan, nan
 from pathlib import Path
 from typing import Any
@@ -53,7 +54,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
     show("writing the report")
-    since = {} if stopped else _since(scene, options, files.summary(result))
+    since = {} if stopped else _since(scene, options, partial(files.summary, result))
     if (changed := since.get("since_baseline")) is not None:
         result.reasons.extend(map(str, changed) if changed else ["nothing changed since the baseline"])
     drawn = before(options.baseline[scene.name], options.against, scene) if options.against else None
@@ -74,14 +75,16 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
 def unsolved(scene: Scene, request: Sampling, options: Namespace, why: UnsolvedError) -> None:
     """Write the report of a scene that the reference cannot solve: how far it goes, and why no further."""
     known = files.unsolved_summary(scene, request, why)
-    folder = files.write_unsolved(scene, why, options.out, known | _since(scene, options, known))
+    folder = files.write_unsolved(scene, why, options.out, known | _since(scene, options, lambda: known))
     show_page("report", folder / "report.html", "", options)
 
 
-def _since(scene: Scene, options: Namespace, known: Mapping[str, Any]) -> dict[str, list[Change]]:
-    """What changed since the baseline and since the last run, for the summary, where there is one."""
-    new = Summary.model_validate(plain(known))
+def _since(scene: Scene, options: Namespace, known: Callable[[], Mapping[str, Any]]) -> dict[str, list[Change]]:
+    """What changed since the baseline and since the last run, where there is one, of what is known for the summary."""
     old = {"since_baseline": (options.baseline or {}).get(scene.name), "since_last_run": last(options.out, scene)}
+    if not any(old.values()):
+        return {}
+    new = Summary.model_validate(plain(known()))
     return {name: changes(earlier, new) for name, earlier in old.items() if earlier}
 
 

@@ -15,7 +15,7 @@ from compare.engines import registry
 from compare.measure.speed.speed_table import LEAST_ROUNDS, PATIENCE
 from compare.report.output.files import _write_motion
 from compare.run import main
-from scenes import Motion, Scene
+from scenes import Motion, Scene, load, shipped
 from scenes.model.motion import channels, header
 from tests import scene_files
 
@@ -104,7 +104,7 @@ def test_speed_file(results: Path) -> None:
         assert "balanced" in " ".join(speed["tier"][speed["engine"] == engine].dropna())
     assert (speed["solve_min_s"] > 0).all()
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
-    few = speed[(speed["timed_runs"] < LEAST_ROUNDS - 1) & speed["build_s"].notna()]  # those of the main runs have none
+    few = speed[(speed["timed_runs"] < LEAST_ROUNDS) & speed["build_s"].notna()]  # those of the main runs have none
     with_one_more = (few["timed_runs"] + 1) * (few["build_s"] + few["solve_median_s"])
     assert (with_one_more > PATIENCE / len(speed)).all(), "fewer of slow settings alone"
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
@@ -139,6 +139,23 @@ def test_list_and_version(words: str, capsys: pytest.CaptureFixture[str]) -> Non
         assert all(name in said for name in ("toggle_press", *registry.ENTRIES))
     else:
         assert said == f"linkage-crosscheck {version('linkage-crosscheck')}\n"
+
+
+def test_a_list_has_titles_of_which_no_scene_is_made(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    titles = {name: load(name).title for name in shipped()}
+    monkeypatch.setattr("scenes.file.reader.validated", pytest.fail)
+    assert main(["list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert {words[1]: words[2] for line in lines if (words := line.split(maxsplit=2))[0] == "scene"} == titles
+
+
+@pytest.mark.usefixtures("few_settings")
+def test_a_first_run_is_held_against_no_earlier_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that all that is known is made ready for comparison only where there is something to compare it with."""
+    monkeypatch.setattr("compare.cli.report.plain", pytest.fail)
+    assert main(["--engines", "analytic", "--no-speed", "--out", str(tmp_path)]) == 0
 
 
 @pytest.mark.parametrize("words", [["new"], ["new", "a", "b"], ["map", "four_bar"], ["map", "a", "b", "c=d.csv"]])
