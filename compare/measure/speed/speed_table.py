@@ -29,7 +29,7 @@ from .share import ERRORS, LEFT_OUT, SAMPLING, EngineShare, Watch, at_samples, l
 from .work_precision import LEVELS, TIE, SpeedRow, contenders, groups, solved
 
 DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
-LEAST_ROUNDS = 2  # for a minimum and a spread, as many as of alike solves in full; what is compared takes more
+LEAST_ROUNDS = 1  # beside its neighbours; what is compared takes more, and of alike solves in full there are several
 PATIENCE = 0.3  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
 # The three fastest solves within this of each other: chance alone would hardly repeat a lucky one. Two runs may be
 # three times as far apart and name the same setting, or call both level.
