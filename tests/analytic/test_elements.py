@@ -1,9 +1,8 @@
-"""Moments, forces that turn, along guides and by tables, dampers, springs that twist: by virtual work, in every way.
+"""Loads and springs of every kind at once, in every way to solve; what counts over whole turns; what has no direction.
 
-What an element does shows in the drive's torque: its power and that of the drive are opposite, whatever the masses.
+Each kind by itself is in `tests/closed_forms`.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,132 +14,25 @@ from analytic import engine
 from analytic.engine import WORK_PRECISION, AnalyticSettings
 from analytic.recorded.arithmetics.machine_code import COMPILES
 from analytic.solve import prepared
-from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes import Failure, Sampling, Scene, Status
 from scenes.elements import ALL_KINDS, PLAIN_KINDS
 from scenes.model.motion import channels, force_channels
 from tests import scene_files
 from tests.agreement import exact
+from tests.closed_forms.elements import ON_CARRIED
+from tests.closed_forms.row import CARRIED
 
 from .newton import as_one_group, assert_close
 
 CLOSE = 1e-12  # of a channel's peak: roundings
 STEP = 1e-5  # of a number, by which it differs: central differences are off by its square, and roundings over it
-TURN = 2 * np.pi
-TABLE = [[-90, 2], [40, -3], [360, 7], [630, 2]]  # of 720 degrees
-CYCLE = np.radians([-90, 40, 360, 630]), [2, -3, 7, 2]
-
-
-def load(**keys: Any) -> scene_files.Changes:
-    return {"loads": [keys]}
-
-
-def twisted(at: str, *between: str, **keys: Any) -> scene_files.Changes:
-    return {"torsion_springs": [{"at": at, "between": between, "stiffness": 0.4, "angle": 20, **keys}]}
-
-
-def v(m: Motion, point: str) -> Any:
-    return m[f"{point}.vx"] + 1j * m[f"{point}.vy"]
-
-
-def z(m: Motion, point: str) -> Any:
-    return m[f"{point}.x"] + 1j * m[f"{point}.y"]
-
-
-def machine(changes: scene_files.Changes) -> Scene:
-    return scene_files.load("carried_block", {"bodies.block.slides.through": [40, 30]} | changes)
-
-
-def along_coupler(m: Motion) -> tuple[Any, Any]:
-    """How far the block is along the coupler, and how fast it slips."""
-    u, d = np.exp(1j * m["coupler.angle"]), z(m, "P") - z(m, "A")
-    return (u.conjugate() * d).real - 0.04, (u.conjugate() * (v(m, "P") - v(m, "A") - 1j * m["coupler.omega"] * d)).real
-
-
-def power_of_twist(m: Motion, first: str, second: str, damping: float = 0.0) -> Any:
-    phi = np.unwrap(m[f"{second}.angle"] - m[f"{first}.angle"])
-    rate = m[f"{second}.omega"] - m[f"{first}.omega"]
-    phi = phi - TURN * np.ceil((phi[0] - np.pi) / TURN)
-    return -(np.degrees(0.4) * (phi - np.radians(20)) + np.degrees(damping) * rate) * rate
-
-
-def power_of_damper(m: Motion) -> Any:
-    d, dd = z(m, "B") - 0.05, v(m, "B")  # from the ground at 50 mm
-    stretched = np.abs(d)
-    rate = (d.conjugate() * dd).real / stretched
-    return -(2000.0 * (stretched - 0.25) + 300.0 * rate) * rate
-
-
-def dot(a: Any, b: Any) -> Any:
-    return (np.conj(a) * b).real
-
-
-# On the carried block, whose crank turns at 90 rpm, 3 pi rad/s: mm, N, degrees. By hand, of its motion: power, W.
-KINDS: dict[str, tuple[scene_files.Changes, Callable[[Motion], Any]]] = {
-    "moment": (load(body="rocker", moment=5), lambda m: 5 * m["rocker.omega"]),
-    "periodic moment by the drive": (
-        load(body="crank", over="drive", table=TABLE, periodic=True),
-        lambda m: np.interp(m["crank_angle"], *CYCLE, period=2 * TURN) * 3 * np.pi,
-    ),
-    "moment by the drive": (
-        load(body="coupler", over="drive", table=TABLE),
-        lambda m: np.interp(m["crank_angle"], *CYCLE) * m["coupler.omega"],
-    ),
-    "force by a slider's displacement": (
-        load(body="block", at="P", along=[0, 3], over="displacement", table=[[150, 20], [250, -10]]),
-        lambda m: np.interp(along_coupler(m)[0], [0.15, 0.25], [20, -10]) * m["P.vy"],
-    ),
-    "turning force": (
-        load(body="coupler", at="B", force=[30, -20], frame="body"),
-        lambda m: dot((30 - 20j) * np.exp(1j * m["coupler.angle"]), v(m, "B")),
-    ),
-    "force by the time": (
-        load(body="rocker", at="B", along=[3, 4], over="time", table=[[0.1, 50], [0.7, -20]]),
-        lambda m: np.interp(m["time"], [0.1, 0.7], [50, -20]) * dot(0.6 + 0.8j, v(m, "B")),
-    ),
-    "turning force by the time": (
-        load(body="bar", at="P", along=[3, -4], over="time", table=[[0.1, 50], [0.3, 0], [0.5, 50]], periodic=True)
-        | {"loads.0.frame": "body"},
-        lambda m: (
-            np.interp(m["time"], [0.1, 0.3, 0.5], [50, 0, 50], period=0.4)
-            * dot((0.6 - 0.8j) * np.exp(1j * m["bar.angle"]), v(m, "P"))
-        ),
-    ),
-    "force along a guide": (load(body="block", at="P", force=12), lambda m: 12 * along_coupler(m)[1]),
-    "force along a guide by displacement": (
-        load(body="block", at="P", table=[[150, -30], [250, 10]]),
-        lambda m: np.interp(along_coupler(m)[0], [0.15, 0.25], [-30, 10]) * along_coupler(m)[1],
-    ),
-    "spring and damper": (
-        {"ground.points.S": [50, 0]}
-        | {"springs": [{"between": ["ground.S", "rocker.B"], "stiffness": 2, "length": 250, "damping": 0.3}]},
-        power_of_damper,
-    ),
-    "spring that twists": (
-        twisted("B", "rocker", "coupler", damping=0.01),
-        lambda m: power_of_twist(m, "rocker", "coupler", 0.01),
-    ),
-    "spring that is wound up": (twisted("A", "crank", "coupler"), lambda m: power_of_twist(m, "crank", "coupler")),
-    "spring that the drive winds up": (
-        twisted("O", "crank", "ground") | {"drive.start": 400},
-        lambda m: -np.degrees(0.4) * (-m["crank_angle"] - np.radians(20)) * -3 * np.pi,
-    ),
-}
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_virtual_work(kind: str) -> None:
-    """Over three turns, whose samples are asked for in any order."""
-    changes, power_of = KINDS[kind]
-    scene = machine(changes)
-    position, time = Sampling(samples=120, turns=3).commanded(scene), Sampling(samples=120, turns=3).times(scene)
-    bare = analytic.solve(replace(scene, loads=(), springs=(), torsion_springs=()), position, time)
-    power = power_of(bare)
-    shuffled = np.random.default_rng(0).permutation(len(position))
-    torque = np.empty(len(position))
-    torque[shuffled] = analytic.solve(scene, position[shuffled], time[shuffled])["drive.torque"]
-    assert np.ptp(power) > 0.1
-    off = (torque - bare["drive.torque"]) * 3 * np.pi + power
-    assert np.abs(off).max() <= CLOSE * max(np.abs(power).max(), np.abs(bare["drive.torque"]).max() * 3 * np.pi)
+# One of each kind of load and spring on the carried block.
+KINDS = (
+    *("moment", "periodic moment by the drive", "moment by the drive", "force by a slider's displacement"),
+    *("turning force", "force by the time", "turning force by the time", "force along a guide"),
+    *("force along a guide by displacement", "spring and damper", "spring that twists", "spring that is wound up"),
+    "spring that the drive winds up",
+)
 
 
 def test_a_spring_that_twists_holds_a_weight() -> None:
@@ -155,13 +47,13 @@ def test_a_spring_that_twists_holds_a_weight() -> None:
 def test_whole_turns_count_from_the_start_wherever_a_law_goes() -> None:
     """A crank that swings by more than a turn, forth and back, winds a spring."""
     law = [[0, 0], [0.5, 300], [1.0, 500], [1.5, 100], [2.0, -200]]
-    changes = {"drive.law": law, "drive.speed": None} | twisted("A", "crank", "coupler")
-    scene = machine(changes)
+    changes, power_of_twist = ON_CARRIED["spring that is wound up"]
+    scene = machine({**changes, "drive.law": law, "drive.speed": None})
     time = np.linspace(0, 2, 400)
     driven = scene.drive.law.at(time)
     m = analytic.solve(scene, driven.position, time)
     bare = analytic.solve(replace(scene, torsion_springs=()), driven.position, time)
-    off = (m["drive.torque"] - bare["drive.torque"]) * driven.rate + power_of_twist(bare, "crank", "coupler")
+    off = (m["drive.torque"] - bare["drive.torque"]) * driven.rate + power_of_twist(bare)
     assert np.abs(off).max() <= CLOSE * np.abs(bare["drive.torque"] * driven.rate).max()
 
 
@@ -176,9 +68,13 @@ def test_half_a_turn_at_the_start_is_counter_clockwise(between: tuple[str, str])
     assert (m["drive.torque"] - bare["drive.torque"]) * 10 == pytest.approx(5 * (np.pi - 0.7) * rate, rel=CLOSE)
 
 
+def machine(changes: scene_files.Changes) -> Scene:
+    return scene_files.load(CARRIED.scene, {**CARRIED.changes, **changes})
+
+
 def busy() -> Scene:
     """A machine with all of these at once."""
-    every = [changes for changes, _ in KINDS.values()]
+    every = [ON_CARRIED[name][0] for name in KINDS]
     together: dict[str, Any] = {"ground.points.S": [50, 0]}
     for key in ("loads", "springs", "torsion_springs"):
         together[key] = [element for changes in every for element in changes.get(key, ())]
@@ -188,6 +84,15 @@ def busy() -> Scene:
 def asked(scene: Scene) -> tuple[Any, Any]:
     sampling = Sampling(samples=37, turns=2)
     return sampling.commanded(scene), sampling.times(scene)
+
+
+def test_samples_come_in_any_order() -> None:
+    scene = busy()
+    position, time = asked(scene)
+    shuffled = np.random.default_rng(0).permutation(len(position))
+    motion = analytic.solve(scene, position[shuffled], time[shuffled])
+    expected = analytic.solve(scene, position, time)
+    assert_close(motion.samples, {name: expected[name][shuffled] for name in channels(scene)}, CLOSE)
 
 
 @pytest.mark.parametrize("settings", WORK_PRECISION)

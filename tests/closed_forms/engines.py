@@ -1,0 +1,69 @@
+"""The engines, at the settings that the tables hold, and how near each comes to a formula."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import pytest
+
+from compare.engines import registry
+from scenes import Failure, Motion, Request, Scene, Settings
+from tests.comparisons import SLOW
+
+
+class Held(NamedTuple):
+    """An engine at a setting, and what it is held to."""
+
+    name: str
+    engine: str
+    setting: Callable[[Any], Settings]  # of the engine's module
+    forces: float  # of a row's size: what roundings, differences or steps leave of loads, springs and drives
+    places: float  # m and rad
+    slow: bool = False  # a second setting of an engine
+    refuses: str = ""  # a part of the reason with which it refuses scenes that others run
+    knows_all: bool = True  # kinds, else those that every engine knows
+
+    @property
+    def module(self) -> Any:
+        pytest.importorskip(registry.ENTRIES[self.engine].package)
+        return registry.engine(self.engine)
+
+    def run(self, scene: Scene, request: Request) -> Motion:
+        simulation = self.module.build(scene, self.setting(self.module), request)
+        simulation.solve()
+        motion: Motion = simulation.read()
+        return motion
+
+    def outcome(self, scene: Scene, request: Request) -> Motion | Failure:
+        try:
+            return self.run(scene, request)
+        except Failure as failure:
+            return failure
+
+
+LIGHT = "cannot (move|turn) a body"  # of no mass, at this setting
+
+ENGINES = (
+    Held("50 digits", "multiprecision", lambda of: of.DEFAULT, 1e-14, 1e-14),
+    Held("analytic", "analytic", lambda of: of.DEFAULT, 1e-12, 1e-13),
+    Held("exudyn pointwise", "exudyn", lambda of: of.EXACT, 1e-9, 1e-12),  # measured 1e-10, by differences
+    Held("exudyn steps", "exudyn", lambda of: of.DEFAULT, 1e-5, 1e-12, slow=True),
+    Held("exudyn reduced", "exudyn", lambda of: replace(of.DEFAULT, reduced=True), 1e-5, 1e-12, slow=True),
+    Held("exudyn in space", "exudyn", lambda of: of.ABLATIONS[-1], 2e-4, 1e-12, slow=True, refuses="no joint in space"),
+    Held("pymunk", "pymunk", lambda of: of.DEFAULT, 1e-5, 1e-5, refuses=LIGHT),  # measured 2e-6, by extrapolation
+    Held("pymunk exact", "pymunk", lambda of: of.EXACT, 1e-7, 1e-7, slow=True),
+    Held("casadi", "casadi", lambda of: of.DEFAULT, 1e-11, 1e-12, knows_all=False),
+    Held("pinocchio", "pinocchio", lambda of: of.DEFAULT, 1e-11, 1e-12, knows_all=False),
+    Held("mujoco", "mujoco", lambda of: of.DEFAULT, 1e-2, 1e-2, knows_all=False),  # its promise
+)
+
+
+def every(engines: Iterable[Held] = ENGINES) -> pytest.MarkDecorator:
+    """Each of some engines, as the argument `held`."""
+    return pytest.mark.parametrize(
+        "held", [pytest.param(held, id=held.name, marks=SLOW if held.slow else ()) for held in engines]
+    )
+
+
+def by_name(*names: str) -> tuple[Held, ...]:
+    return tuple(held for held in ENGINES if held.name in names)
