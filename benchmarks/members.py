@@ -24,7 +24,7 @@ from compare.engines.registry import DEFAULT_ENGINES, ORACLE
 from compare.engines.runner import HERE, run
 from compare.judge.floor import FLOOR_SAMPLES
 from compare.measure.many.family import Asked, solved_member
-from scenes import Sampling, load
+from scenes import Sampling, load, with_changes
 
 SCENE, PATH = "toggle_press", "bodies.rocker.lengths.O-P3"
 LEAST, MOST = 285.0, 315.0
@@ -50,10 +50,11 @@ def main() -> None:
 def stages() -> None:
     """Print what one member costs, stage by stage."""
     change = {PATH: LEAST}
-    scene, sampling = load(SCENE, change), Sampling(360)
+    drawn, sampling = load(SCENE), Sampling(360)
+    scene = with_changes(drawn, change)
     position, time = sampling.commanded(scene), sampling.times(scene)
     costs = {
-        "its scene read and changed": least(lambda: load(SCENE, change)),
+        "its scene made": least(lambda: with_changes(drawn, change)),
         "a solver prepared, 360 positions, all channels": least(lambda: analytic.solver(scene)(position, time)),
     }
     for what, channels in (("all channels", None), ("the output alone", {f"{scene.output}.y"})):
@@ -63,7 +64,7 @@ def stages() -> None:
     for engine in DEFAULT_ENGINES[1:]:
         costs[f"{engine}, 360 samples"] = least(partial(run, engine, scene, sampling))
     costs[f"arbitrary precision, {FLOOR_SAMPLES} samples"] = least(lambda: run(ORACLE, scene, Sampling(FLOOR_SAMPLES)))
-    asked = Asked(SCENE, DEFAULT_ENGINES, sampling)
+    asked = Asked(drawn, DEFAULT_ENGINES, sampling)
     whole = least(lambda: solved_member(asked, change, scene, HERE, lambda _: None))
     costs["all of a member, judged"] = whole
     print("| of a member | processor time |\n| --- | ---: |")

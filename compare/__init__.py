@@ -83,7 +83,7 @@ def vary(
     scene = load(name_or_path)
     options = from_python(engines, samples=samples)
     varied = [read(text) for text in names("variation", (variation, *more))]
-    numbers_in(scene.file, [each.path for each in varied])
+    numbers_in(scene, [each.path for each in varied])
     request, changes = sampling(scene, options.samples, 1), grid(varied)
-    asked = Asked(scene.file, options.engines, request)
+    asked = Asked(scene, options.engines, request)
     return Varied(scene, varied, options.engines, [*members(asked, changes, lambda _: None)])

@@ -133,7 +133,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         if names.count(scene.name) > 1:
             target = options.out / scene.name
             raise InputError(f"arguments: two scenes are named '{scene.name}', and both would write {target}")
-        numbers_in(scene.file, [variation.path for variation in options.vary])
+        numbers_in(scene, [variation.path for variation in options.vary])
     several = next((name for name in ("vary", "monte_carlo", "assemblies") if getattr(options, name)), "")
     for name, why in (
         ("full", "many linkages take one setting of an engine"),

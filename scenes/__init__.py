@@ -24,10 +24,11 @@
 """
 
 from .errors import InputError
-from .file.reader import load, numbers_in, shipped, write_starter
+from .file.reader import from_tables, load, numbers_in, shipped, with_changes, write_starter
 from .model.engine import Engine, Failure, ProcessorBudget, Settings, Simulation, Status
 from .model.motion import Instants, Motion, Positions, Request, Rows, Sampling
 from .scene import Scene
 
 __all__ = ["Engine", "Failure", "InputError", "Instants", "Motion", "Positions", "ProcessorBudget", "Request", "Rows"]
-__all__ += ["Sampling", "Scene", "Settings", "Simulation", "Status", "load", "numbers_in", "shipped", "write_starter"]
+__all__ += ["Sampling", "Scene", "Settings", "Simulation", "Status"]
+__all__ += ["from_tables", "load", "numbers_in", "shipped", "with_changes", "write_starter"]

@@ -9,17 +9,17 @@ from copy import deepcopy
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, PlainValidator
 from pydantic_core import PydanticCustomError
 
 from .errors import InputError, at_place, nearest
 from .fields import FileTable
-from .file.changes import Value, as_text, change
+from .file.changes import Value, as_text, change, label
 from .file.explained import validated
 from .file.format import Format
-from .file.reader import LIBRARY, load, tables_of
+from .file.reader import LIBRARY, file_of, from_tables, tables_of
 from .file.toml import read_toml
 from .model.engine import Status
 from .scene import Scene
@@ -67,12 +67,12 @@ class Rung:
     value: Value  # in the units of the scene file
     turns: int  # cycles of the drive
     status: str  # that the reference has to end with at 360 samples a cycle
-    scene_file: str | Path
-    changes: Mapping[str, Value]  # by path
+    file: str  # of the scene, with what is changed in it, for messages
+    tables: Mapping[str, Any]  # of the scene with this rung's value in it
 
     def scene(self) -> Scene:
-        """Read the scene with this rung's value in it; InputError where there is none, as of `INVALID`."""
-        return load(self.scene_file, self.changes)
+        """The scene; InputError where there is none, as of `INVALID`."""
+        return from_tables(self.tables, self.file)
 
 
 class Ladder(NamedTuple):
@@ -111,18 +111,18 @@ def _rungs(file: LadderFile, path: Path) -> Iterator[Rung]:
     with at_place("scene"):
         tables = tables_of(scene_file)
     known = (*Status.__members__, INVALID)
-    for label, status in file.status.items():
-        with at_place(f"status.{label}"):
-            if label not in file.steps:
-                raise InputError(f"no such step{nearest(label, file.steps)}")
+    for step, status in file.status.items():
+        with at_place(f"status.{step}"):
+            if step not in file.steps:
+                raise InputError(f"no such step{nearest(step, file.steps)}")
             if status not in known:
                 raise InputError(f"'{status}' is no status{nearest(status, known)}")
     counts = file.paths == [TURNS]
-    for label, value in file.steps.items():
-        changes = {} if counts else dict.fromkeys(file.paths, value)
-        with at_place(f"steps.{label}"):
+    for step, value in file.steps.items():
+        changes, changed = {} if counts else dict.fromkeys(file.paths, value), deepcopy(tables)
+        with at_place(f"steps.{step}"):
             if counts and (isinstance(value, str) or value < 1 or value != int(value)):
                 raise InputError(f"expected a whole number of turns, found {as_text(value)}")
-            change(deepcopy(tables), changes)
-        turns = int(value) if counts else 1
-        yield Rung(label, value, turns, file.status.get(label, Status.ok.name), scene_file, changes)
+            change(changed, changes)
+        turns, status = int(value) if counts else 1, file.status.get(step, Status.ok.name)
+        yield Rung(step, value, turns, status, label(file_of(scene_file), changes), changed)

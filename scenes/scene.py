@@ -97,12 +97,15 @@ class Pin:
 
 @dataclass(frozen=True)
 class Scene:
-    """One mechanism. Built by `scenes.load`; SI units throughout."""
+    """One mechanism in SI, made of tables by `scenes.from_tables`, or of those of a file by `scenes.load`.
+
+    It needs its file no more: the tables are all that was in it. Two scenes are equal where their mechanisms are.
+    """
 
     name: str
     title: str
     source: str
-    file: str  # where it was read from, for messages
+    file: str  # the name of its tables in messages: the file that had them, and what was changed in it
     ground: Mapping[str, Place] = field(metadata={"path": "ground.points"})  # m
     bodies: Mapping[str, Annotated[Body, DrawnBody]]  # the moving bodies, in file order
     drives: tuple[Drive, ...] = field(metadata={"path": "drives", "lone": "drive"})  # one, each with its guide
@@ -117,6 +120,8 @@ class Scene:
     variations: tuple[VariationTable, ...] = ()  # what the workshop may deviate, in the units of the file
     torsion_springs: tuple[TorsionSpring, ...] = ()
     friction: tuple[Friction, ...] = ()
+    # As TOML gives them, in the units of the file, and never changed; empty where the scene has other numbers.
+    tables: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Give each drive the guide of its body, whatever numbers that has now."""
@@ -246,9 +251,10 @@ class Scene:
         """The scene with other numbers, SI, by their paths in the file; of many machines arrays of shape (m, 1).
 
         Nothing is checked, and no body becomes a bar or a plate by them. Of a guide's direction the numbers are in
-        shares of its length in the file.
+        shares of its length in the file. The scene has no tables, which would have the numbers of this one.
         """
-        other: Scene = put(self, {self.numbers[path].at: value for path, value in values.items()})
+        there = {self.numbers[path].at: value for path, value in values.items()}
+        other: Scene = put(self, {**there, ("tables",): {}})
         for number, load in enumerate(other.loads):
             if isinstance(load, PressForce):
                 sense = closing_sense(load.force, other.slides[load.body])

@@ -1,16 +1,12 @@
 """Scenes under other names: bodies that are called as points are, and both as the drive, the time and inputs are."""
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import scenes
 from scenes import Scene
 from scenes.scene import GROUND
-from tests import scene_files
 
 FOR_BODIES = ("time", "crank_angle", "position", "transmission", "friction", "rate", "bodies", "sketch", "closure")
 FOR_POINTS = ("drive", "ground", *FOR_BODIES)
@@ -19,7 +15,7 @@ NAMELESS = ("variations", "limits", "results")  # tables by path or channel
 
 def alike(scene: Scene) -> Iterator[tuple[str, Scene]]:
     """The scene, its bodies called as each of its points in turn; and points and bodies by names of other things."""
-    points, bodies, tables = [*scene.owners], [*scene.bodies], tomllib.loads(Path(scene.file).read_text("utf-8"))
+    points, bodies, tables = [*scene.owners], [*scene.bodies], scene.tables
     same = dict(zip(points, points, strict=True))
     for turn in range(len(points)):
         given = (points[turn:] + points[:turn])[: len(bodies)]
@@ -55,10 +51,7 @@ def loaded(scene: Mapping[str, Any], points: Mapping[str, str], bodies: Mapping[
     for table in other.get("springs", ()):
         ends = (end.split(".") for end in table["between"])
         table["between"] = [f"{named[body]}.{points[point]}" for body, point in ends]
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "named.toml"
-        file.write_text(scene_files.toml(other), encoding="utf-8")
-        return scenes.load(file)
+    return scenes.from_tables(other, "named.toml")
 
 
 def _body(table: Mapping[str, Any], points: Mapping[str, str], bodies: Mapping[str, str]) -> dict[str, Any]:

@@ -4,7 +4,6 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -34,10 +33,7 @@ def text(name: str) -> str:
 
 def load(name: str, changes: Changes = NONE) -> Scene:
     """A scene with some numbers, texts, tables or lists changed, added or gone."""
-    if not changes:
-        return scenes.load(path(name))
-    with TemporaryDirectory() as folder:
-        return scenes.load(write(Path(folder), name, changes))
+    return scenes.from_tables(_changed(name, changes), f"{name}.toml") if changes else scenes.load(path(name))
 
 
 def refused(call: Callable[[], object], most: int = 1000) -> str:
@@ -73,6 +69,12 @@ def without_masses(name: str) -> Changes:
 
 def write(folder: Path, name: str, changes: Changes = NONE) -> Path:
     """Write the file of a changed scene, and return its path."""
+    file = folder / f"{name}.toml"
+    file.write_text(toml(_changed(name, changes)), encoding="utf-8")
+    return file
+
+
+def _changed(name: str, changes: Changes) -> dict[str, Any]:
     tables = _tables(name)
     for place, value in changes.items():
         *way, last = place.split(".")
@@ -83,9 +85,7 @@ def write(folder: Path, name: str, changes: Changes = NONE) -> Path:
             del parent[last]
         else:
             parent[int(last) if isinstance(parent, list) else last] = deepcopy(value)  # a later change may be within
-    file = folder / f"{name}.toml"
-    file.write_text(toml(tables), encoding="utf-8")
-    return file
+    return tables
 
 
 def _tables(name: str) -> dict[str, Any]:

@@ -167,7 +167,7 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[.
     def progress(doing: str) -> None:
         show(f"member {len(family.members) + 1} of {len(members)}", doing)
 
-    asked = Asked(scene.file, options.engines, request)
+    asked = Asked(scene, options.engines, request)
     kept = kept_members(options.out, scene, asked)
     here = by_processes(options.workers) if options.workers else None
     try:

@@ -11,7 +11,6 @@ from scenes import InputError, Scene
 from scenes.errors import at_place, one_line
 from scenes.fields import FileTable, Finite, Pair, Positive
 from scenes.file.explained import validated
-from scenes.file.reader import tables_of
 from scenes.file.toml import read_toml
 from scenes.file.units import factor
 from scenes.limits import SOURCE
@@ -64,7 +63,7 @@ class MappingFile(FileTable):
 def mapping_of(scene: Scene, name: str, file: Path) -> tuple[MappingFile, str]:
     """Return how a result is read, and where that is written; without either all is as in this project's own files."""
     beside = f"{file.parent / file.stem}.toml"
-    in_scene = tables_of(scene.file).get("results", {}).get(name)
+    in_scene = scene.tables.get("results", {}).get(name)
     there = isfile(beside)  # noqa: PTH113 - Path raises for odd names
     if there and in_scene is not None:
         raise InputError(f"{one_line(beside)}: the scene has a mapping too, results.{name}; expected one of them")

@@ -1,4 +1,4 @@
-"""TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent.
+"""Tables -> Scene, whether a file had them or not. Units and user errors end here: scenes are SI and consistent.
 
 And a first file to change, with the schema by which editors complete and check it.
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..arguments import refuse, single_values
+from ..arguments import refuse, scene_of, single_values
 from ..bodies import SlideTable
 from ..errors import InputError, at_place, nearest, one_line
 from ..fields import NAME, put, walk
@@ -29,7 +29,7 @@ from .changes import Value, change, check_variations, label, numbers
 from .consistency import check
 from .explained import validated
 from .format import SceneFile, TolerancesTable
-from .toml import read_toml
+from .toml import copied, read_toml
 from .units import si_units, unit_named
 
 LIBRARY = Path(str(files("scenes"))) / "library"
@@ -58,29 +58,50 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
     """
     changes = single_values(changes)
     place = file_of(name_or_path)
-    tables = tables_of(place)
-    file = label(place, changes)
+    return _made(tables_of(place), place, changes)
+
+
+def from_tables(tables: Mapping[str, Any], file: str = "tables") -> Scene:
+    """Make a scene of tables, as TOML gives them: of a program that has no file, or reads those of another one.
+
+    Args:
+        tables: what a scene file has, by key; they are copied.
+        file: what messages call them.
+
+    Returns:
+        The scene as of `load`.
+
+    Raises:
+        InputError: as of `load`, and for what no TOML file has.
+    """
     with at_place(one_line(file)):
-        change(tables, changes)
-        scene = _scene(validated(SceneFile, tables, partial(unit_named, tables)), file)
-        check_variations(tables, scene)
-    return scene
+        own = copied(tables)
+    return _made(own, file, {})
+
+
+def with_changes(scene: Scene, changes: Mapping[str, Value]) -> Scene:
+    """Make a scene of the tables of another one, with other values for some numbers and texts, as of `load`."""
+    scene = scene_of(scene)
+    return _made(copied(_tables_in(scene)), scene.file, single_values(changes))
+
+
+def numbers_in(scene: Scene | str | Path, paths: Sequence[str]) -> list[float]:
+    """Numbers of a scene, or of a file by its name or path, in the units of the file, by their paths.
+
+    A path is as `bodies.rod.lengths.P4-P5`.
+
+    Raises:
+        InputError: the file cannot be read, or there is no number at one of the paths, or one is named twice.
+    """
+    tables, file = (_tables_in(scene), scene.file) if isinstance(scene, Scene) else (tables_of(scene), str(scene))
+    with at_place(one_line(file)):
+        return numbers(tables, paths)
 
 
 def title_of(name: str) -> str:
     """The title of a shipped scene: it is above the first [table] of its file, of which the rest is not read."""
     above, *_ = shipped()[name].read_text(encoding="utf-8").partition("\n[")
     return one_line(str(tomllib.loads(above).get("title", name)), TITLE)
-
-
-def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
-    """Numbers of a scene file, in its own units, by their paths, as `bodies.rod.lengths.P4-P5`.
-
-    Raises:
-        InputError: the file cannot be read, or there is no number at one of the paths, or one is named twice.
-    """
-    with at_place(one_line(str(name_or_path))):
-        return numbers(tables_of(name_or_path), paths)
 
 
 def file_of(name_or_path: str | Path) -> str | Path:
@@ -95,6 +116,22 @@ def file_of(name_or_path: str | Path) -> str | Path:
 def tables_of(name_or_path: str | Path) -> dict[str, Any]:
     """The tables of a scene file, unchecked; InputError where it cannot be read."""
     return read_toml(file_of(name_or_path), shipped(), "scene")
+
+
+def _tables_in(scene: Scene) -> Mapping[str, Any]:
+    if not scene.tables:
+        raise InputError(f"{scene.file}: expected a scene as its tables have it, and this one has other numbers")
+    return scene.tables
+
+
+def _made(tables: dict[str, Any], file: str | Path, changes: Mapping[str, Value]) -> Scene:
+    """The scene of tables that nobody else has, with changes."""
+    file = label(file, changes)
+    with at_place(one_line(file)):
+        change(tables, changes)
+        scene = _scene(validated(SceneFile, tables, partial(unit_named, tables)), file)
+        check_variations(tables, scene)
+    return replace(scene, tables=tables)
 
 
 def _scene(table: SceneFile, file: str) -> Scene:

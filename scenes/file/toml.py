@@ -4,9 +4,12 @@ import re
 import stat
 import tomllib
 from collections.abc import Mapping
+from datetime import date, time
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+from ..arguments import refuse, shown
 from ..errors import InputError, at_place, nearest, one_line, path_in_file
 from ..limits import FILE_BYTES, INTEGER_BITS, KEY_PARTS, NESTING
 
@@ -31,8 +34,19 @@ def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) ->
             raise InputError(f"not valid TOML: {str(error) or type(error).__name__}{_slip(text, error)}") from None
         except ValueError as error:  # an integer of thousands of digits
             raise InputError(f"cannot be read ({error})") from None
-        _check_values(tables, ())
-    return tables
+        return copied(tables)
+
+
+def copied(tables: object) -> dict[str, Any]:
+    """Tables as TOML gives them, which share nothing with these.
+
+    Raises:
+        InputError: they hold what no file does, are nested deeper than any file needs, or have an integer that TOML
+            does not promise.
+    """
+    if not isinstance(tables, Mapping):
+        refuse("tables", "tables by name, as tomllib.loads(...) returns them", tables)
+    return dict(_copied(tables, ()))
 
 
 _SLIPS = {  # what lines that cannot be read often have: what to write instead
@@ -69,13 +83,24 @@ def read_text(path: Path, most: int) -> str:
         raise InputError(f"cannot be read ({getattr(error, 'strerror', error)})") from None
 
 
-def _check_values(value: object, place: tuple[object, ...]) -> None:
-    """Refuse what is nested deeper than any file needs, and integers that TOML does not promise."""
-    if isinstance(value, int) and value.bit_length() > INTEGER_BITS:
-        raise InputError(f"{path_in_file(place)}: expected an integer of {INTEGER_BITS} bits at most")
-    if isinstance(value, dict | list):
-        if len(place) > NESTING:
-            raise InputError(f"{path_in_file(place)}: expected {NESTING} levels of tables and lists at most")
-        for key, child in value.items() if isinstance(value, dict) else enumerate(value):
-            if not isinstance(child, float | str):
-                _check_values(child, (*place, key))
+def _copied(value: object, place: tuple[object, ...]) -> Any:
+    match value:
+        case float():
+            return float(value)
+        case str() | bool() | date() | time():
+            return value
+        case Integral():
+            if (number := int(value)).bit_length() > INTEGER_BITS:
+                raise InputError(f"{path_in_file(place)}: expected an integer of {INTEGER_BITS} bits at most")
+            return number
+        case Real():
+            return float(value)
+        case Mapping() | list() | tuple():
+            if len(place) > NESTING:
+                raise InputError(f"{path_in_file(place)}: expected {NESTING} levels of tables and lists at most")
+            if not isinstance(value, Mapping):
+                return [_copied(child, (*place, number)) for number, child in enumerate(value)]
+            if odd := [key for key in value if not isinstance(key, str)]:
+                raise InputError(f"{path_in_file(place) or 'tables'}: expected texts as keys, found {shown(odd[0])}")
+            return {str(key): _copied(child, (*place, key)) for key, child in value.items()}
+    raise InputError(f"{path_in_file(place)}: expected what TOML has, found {shown(value)}")

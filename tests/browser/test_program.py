@@ -12,7 +12,7 @@ import pytest
 import analytic
 from analytic import page_program
 from compare.report.plain import plain
-from scenes import Sampling, Scene, Status, load, shipped
+from scenes import Sampling, Scene, Status, load, shipped, with_changes
 from scenes.drive import Samples
 from tests import scene_files
 
@@ -119,7 +119,7 @@ def test_the_page_has_the_numbers_of_the_core_after_edits(blank: "Page", tmp_pat
             assert (off <= 1e-10).all(), (name, paths, channels[int(np.argmax(off))], off.max())
             compared += 1
             at = {p: v[machine] for p, v in changes.items()}
-            ends = analytic.solver(load(scene.file, at)).stroke_ends if "loads.0" in program["strokes"] else {}
+            ends = analytic.solver(with_changes(scene, at)).stroke_ends if "loads.0" in program["strokes"] else {}
             for place, end in ends.items():
                 assert abs(found[machine, program["numbers"].index(place)] - end) <= 1e-12
         for machine in np.flatnonzero(~core.ok).tolist():

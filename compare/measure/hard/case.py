@@ -5,7 +5,7 @@ its engine promises and round-off explains. A failure is a false alarm if what w
 that can be assembled end as `cannot_assemble`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from functools import partial
 from multiprocessing import current_process
@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from scenes import Failure, InputError, Sampling, Scene, Status, hard
+from scenes.hard import Ladder
 from scenes.model.motion import quantity
 
 from ...engines import registry
@@ -70,8 +71,8 @@ def hard_cases(
     Results are kept in `folder` as they come, and what is kept there is not done again until `forget` is called. A stop
     leaves what is done, there and in what is returned. Where nothing can be kept there, that is noted.
     """
-    limits = Limits()
-    wanted = [Case(name, rung.label, one) for name in ladders for rung in hard.ladder(name).rungs for one in engines]
+    limits, read = Limits(), {name: hard.ladder(name) for name in ladders}
+    wanted = [Case(name, rung.label, one) for name, ladder in read.items() for rung in ladder.rungs for one in engines]
     kept = Kept(folder / PARTIAL, limits)
     rows = dict(kept.read())
     left = [case for case in wanted if str(case) not in rows]
@@ -79,7 +80,7 @@ def hard_cases(
     def poll() -> None:
         progress(f"hard cases, {len(rows)} of {len(wanted)} done")
 
-    for case, result in until_stopped(isolated(examine, left, limits, poll)):
+    for case, result in until_stopped(isolated(partial(examine, read), left, limits, poll)):
         if isinstance(result, Ended):  # of the reference it is arbitrary precision that gave no answer
             outcome = Outcome.uncertified if case.engine == REFERENCE else Outcome.refused
             result = [case_row(case, result.status.name, result.reason, "isolation", outcome)]
@@ -95,20 +96,19 @@ def forget(folder: Path) -> None:
     Kept(folder / PARTIAL, "").forget()
 
 
-def examine(case: Case) -> list[Row]:
+def examine(ladders: Mapping[str, Ladder], case: Case) -> list[Row]:
     """One row an attempt of the engine; of the reference one, measured by arbitrary precision.
 
-    This process judges, so an engine from outside has one of its own below it.
+    The ladders are by name. This process judges, so an engine from outside has one of its own below it.
     """
     if not registry.ENTRIES[case.engine].outside:
-        return _examined(case, HERE)
+        return _examined(ladders[case.ladder], case, HERE)
     current_process().daemon = False  # it may have processes of its own, which end with it
     with workers([case.engine], lambda: None) as runs:
-        return _examined(case, runs)
+        return _examined(ladders[case.ladder], case, runs)
 
 
-def _examined(case: Case, runs: Runs) -> list[Row]:
-    ladder = hard.ladder(case.ladder)
+def _examined(ladder: Ladder, case: Case, runs: Runs) -> list[Row]:
     rung = next(rung for rung in ladder.rungs if rung.label == case.rung)
     samples = FEW if rung.turns > 1 else ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES
     sampling = Sampling(samples, rung.turns)

@@ -4,12 +4,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from math import prod
-from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from scenes import Failure, InputError, Motion, Sampling, Scene, Settings, Status, load
+from scenes import Failure, InputError, Motion, Sampling, Scene, Settings, Status, with_changes
 from scenes.file.changes import label
 from scenes.model.motion import Samples, quantity
 
@@ -89,7 +88,7 @@ class Family:
 class Asked(NamedTuple):
     """What is asked of every member."""
 
-    file: str | Path  # of the scene
+    scene: Scene  # as its tables have it
     engines: Sequence[str]
     sampling: Sampling
 
@@ -98,15 +97,15 @@ def members(asked: Asked, changes: Iterable[MemberChanges], progress: Progress) 
     """Yield one member after the other, those that cannot run too."""
     with workers([*asked.engines, registry.ORACLE], lambda: None) as runs:
         for change in changes:
-            yield solved_member(asked, change, changed(asked.file, change), runs, progress)
+            yield solved_member(asked, change, changed(asked.scene, change), runs, progress)
 
 
-def changed(file: str | Path, change: MemberChanges) -> Scene | Member:
+def changed(scene: Scene, change: MemberChanges) -> Scene | Member:
     """The scene of a member; of one that is no scene the member itself."""
     try:
-        return load(file, change)
+        return with_changes(scene, change)
     except InputError as error:
-        return Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
+        return Member(change, INVALID, str(error).removeprefix(f"{label(scene.file, change)}: "))
 
 
 def solved_member(asked: Asked, change: MemberChanges, scene: Scene | Member, runs: Runs, progress: Progress) -> Member:

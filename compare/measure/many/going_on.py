@@ -8,7 +8,7 @@ from multiprocessing import current_process
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from scenes import Scene, Status, load, shipped
+from scenes import Scene, Status, with_changes
 
 from ...engines import registry
 from ...engines.kept import Kept, decoded, encoded
@@ -27,9 +27,8 @@ SECONDS, MEMORY = 3600.0, 2**40  # for a member, beside its engines, which have 
 
 
 def kept_members(folder: Path, scene: Scene, asked: Asked) -> Kept:
-    """What is kept of the families of a scene file in the folder where results go."""
-    text = shipped().get(scene.file, Path(scene.file)).read_bytes()
-    return Kept(folder / f"{scene.name}.partial.jsonl", (text, asked.engines, asked.sampling))
+    """What is kept of the families of a scene in the folder where results go."""
+    return Kept(folder / f"{scene.name}.partial.jsonl", (scene.tables, asked.engines, asked.sampling))
 
 
 def going_on(
@@ -72,7 +71,7 @@ def _read(data: Any, asked: Asked, change: MemberChanges) -> Member | None:
             return None
         if member.judgement is None:
             return member
-        scene = load(asked.file, change)
+        scene = with_changes(asked.scene, change)
         known = replace(member.judgement.reference, mechanics=Mechanics(scene), at=registry.reference(scene))
         judged = replace(member.judgement, scene=scene, reference=known)
         vars(judged).update(shown)
@@ -89,7 +88,7 @@ def _by_workers(spread: Spread, asked: Asked, changes: Sequence[MemberChanges], 
     for name in (registry.REFERENCE, *asked.engines):  # whose solver and settings come back
         if not registry.ENTRIES[name].missing:
             registry.engine(name)
-    tasks = [(change, changed(asked.file, change)) for change in changes]
+    tasks = [(change, changed(asked.scene, change)) for change in changes]
     at_work = partial(spread, partial(_on_worker, asked), poll=lambda: progress("waiting for workers"))
     lost = []
     for task, member in at_work(tasks):

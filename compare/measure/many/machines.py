@@ -53,7 +53,7 @@ def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Sampl
     """
     shares = points(len(scene.variations), seed, first, count)
     drawn = {}
-    nominal = numbers_in(scene.file, [variation.path for variation in scene.variations])
+    nominal = numbers_in(scene, [variation.path for variation in scene.variations])
     for variation, number, share in zip(scene.variations, nominal, shares.T, strict=True):
         normal = variation.distribution == "normal"
         of_deviations = np.array([*map(QUANTILE, share)]) if normal else (2 * share - 1) * 3**0.5
@@ -100,7 +100,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
 
 def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
     """The linkage as drawn as the only one of its machines, its extremes placed as accurately as they can be."""
-    drawn = np.reshape(numbers_in(reference.scene.file, paths), (-1, 1))
+    drawn = np.reshape(numbers_in(reference.scene, paths), (-1, 1))
     return machines(reference, dict(zip(paths, drawn, strict=True)), SCALE_SAMPLES)
 
 
@@ -125,7 +125,7 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
         for curve, instant, weight in own:
             result[:, number] += (np.conj(weight) * by_curve[curve][:, np.searchsorted(time, instant)]).real
     if SPEED in paths:  # a dwell is a time: at the same positions it goes with one over the speed
-        (speed,) = numbers_in(scene.file, [SPEED])
+        (speed,) = numbers_in(scene, [SPEED])
         dwells = [float(n.value[0]) if n.kind == DWELL else 0.0 for n in nominal.numbers]
         result[paths.index(SPEED)] -= np.array(dwells) / speed
     return result
@@ -138,7 +138,7 @@ def _by_differences(
     size = {variation.path: variation.deviation for variation in scene.variations}
     step = np.array([size[path] for path in paths])  # as large as what they are for: such channels have few digits
     apart = np.concatenate([np.diag(step), -np.diag(step)])
-    changes = dict(zip(paths, np.transpose(numbers_in(scene.file, paths) + apart), strict=True))
+    changes = dict(zip(paths, np.transpose(numbers_in(scene, paths) + apart), strict=True))
     there = registry.many(scene, changes, channels)(position, time)
     return {c: np.subtract(*np.split(there.samples[c], 2)) / (2 * step[:, np.newaxis]) for c in channels}
 

@@ -117,7 +117,7 @@ class MonteCarlo:
     def spreads(self) -> list[Spread]:
         """What becomes of each number."""
         drawn = draws(self.scene, self.seed, 0, self.asked)
-        off = [drawn[path] - value for path, value in zip(drawn, numbers_in(self.scene.file, [*drawn]), strict=True)]
+        off = [drawn[path] - value for path, value in zip(drawn, numbers_in(self.scene, [*drawn]), strict=True)]
         linear = self.nominal + np.transpose(off) @ self.gradients
         deviations = np.array([variation.deviation for variation in self.scene.variations])
         of_each = zip(self.numbers, self.values.T, linear.T, self.gradients.T, strict=True)

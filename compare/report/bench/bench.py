@@ -7,6 +7,7 @@ does not become a plate where it was drawn as a bar.
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
 from fnmatch import fnmatch
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -17,7 +18,6 @@ import numpy as np
 from scenes import Scene
 from scenes.bodies import LINE, Body
 from scenes.file.changes import at_path
-from scenes.file.reader import tables_of
 from scenes.limits import NAME
 from scenes.model.motion import TRANSMISSION, UNITS, force_at, magnitudes, quantity
 from scenes.scene import ConstantSpeed, Spring, TorsionSpring
@@ -45,7 +45,7 @@ class Bench:
     def __init__(self, study: Study, moving: MovingPicture) -> None:
         self.study, self.scene, self.rows = study, study.scene, moving.rows
         self.program: Mapping[str, Any] = {}  # nothing where the page cannot solve the linkage
-        if study.sampling.channels is None:
+        if study.sampling.channels is None and self.scene.tables:
             position, time = (study.motion[channel][self.rows] for channel in (self.scene.drive_channel, "time"))
             self.program = registry.page_program(self.scene, position, time) or {}
         self._places = {path: place for place, path in enumerate(self.program.get("numbers", ()))}
@@ -87,8 +87,8 @@ class Bench:
         return self.scene.name[: NAME - len(ending)] + ending
 
     def _tables(self) -> dict[str, Any]:
-        """The tables of the scene's file, by points where the lengths of a body close on one line alone."""
-        tables, metre = tables_of(self.scene.file), self.scene.units["length"][1]
+        """The scene's tables, by points where the lengths of a body close on one line alone."""
+        tables, metre = deepcopy(dict(self.scene.tables)), self.scene.units["length"][1]
         for name, body in self.scene.bodies.items():
             if body.local is not None and tables["bodies"][name].pop("lengths", None):
                 points = {point: [float(f"{q / metre:.12g}") for q in place] for point, place in body.local.items()}

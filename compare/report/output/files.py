@@ -245,11 +245,14 @@ def unsolved_summary(scene: Scene, sampling: Sampling, unsolved: UnsolvedError) 
 
 
 def _scene(scene: Scene) -> dict[str, Any]:
-    """A scene as summaries always had it, so that earlier ones stay baselines: its one drive by its body and law."""
+    """A scene as summaries always had it, so that earlier ones stay baselines: its one drive by its body and law.
+
+    The tables that it was made of are left out.
+    """
     known, drive = {each.name: getattr(scene, each.name) for each in fields(scene)}, scene.drive
     law = {each.name: getattr(drive.law, each.name) for each in fields(drive.law)}
     alone = {"drive": {"body": drive.body, **law}, "drive_on": drive.on}
-    return {name: value for name, value in (known | alone).items() if name != "drives"}
+    return {name: value for name, value in (known | alone).items() if name not in ("drives", "tables")}
 
 
 def _engine(scene: Scene, measurement: Measurement) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from scenes import Failure, Sampling, Scene, load
+from scenes import Failure, Sampling, Scene, with_changes
 from scenes.model.enclosures import Assemblies
 
 from ...engines import registry
@@ -84,7 +84,7 @@ def _worst(study: MonteCarlo) -> str:
     """The worst machine moving; nothing where all are alike, or it locks where nobody looked before."""
     if study.worst is None:
         return ""
-    scene = load(study.scene.file, study.changes(study.worst[0]))
+    scene = with_changes(study.scene, study.changes(study.worst[0]))
     try:
         return by_itself(Drawing(scene, registry.motion(scene, DRAWN), named=units(study.judged.reference)), FRAMES)
     except Failure:

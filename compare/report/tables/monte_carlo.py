@@ -117,7 +117,7 @@ def against_engines(study: MonteCarlo) -> TableRows:
 def worst(study: MonteCarlo, machine: int) -> TableRows:
     """Yield how far each number of the file is off the drawing on one machine."""
     here = study.changes(machine)
-    drawn = zip(study.scene.variations, here.values(), numbers_in(study.scene.file, [*here]), strict=True)
+    drawn = zip(study.scene.variations, here.values(), numbers_in(study.scene, [*here]), strict=True)
     for v, own, number in drawn:
         off = f"{100 * (own - number) / v.plus_minus:+.0f} %".replace("-", "−")
         numbers = {"as drawn": f"{number:.7g}", "here": f"{own:.7g}"}

@@ -156,7 +156,7 @@ def test_a_scheduler_takes_a_family(client: "Client", tmp_path: Path, monkeypatc
     """Of which a member that cannot run is one, as without it."""
     monkeypatch.setattr("compare.engines.processes.workers.IDLE", 0.01)
     scene, changes = load("four_bar"), grid([variation("bodies.rocker.lengths.C-B=2:250:2")])
-    asked = Asked(scene.file, ["analytic"], Sampling(24))
+    asked = Asked(scene, ["analytic"], Sampling(24))
     with cluster.cluster(client.cluster.scheduler_address) as by_workers:
         members = [*going_on(kept_members(tmp_path, scene, asked), asked, changes, by_workers, lambda _: None)]
     assert {m.changes["bodies.rocker.lengths.C-B"]: m.status for m in members} == {2: "cannot_assemble", 250: "ok"}

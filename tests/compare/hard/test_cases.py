@@ -19,6 +19,7 @@ from compare.report.pages.html import render
 from compare.report.pages.report import in_full
 from compare.report.tables import hard as hard_tables
 from scenes import Failure, Motion, Sampling, Settings, Status
+from scenes.hard import ladder as read
 from tests import scene_files
 from tests.comparisons import Plug, Stub, changed
 
@@ -32,6 +33,10 @@ def ladder(tmp_path: Path) -> str:
     return str(file)
 
 
+def examined_on(ladder: str, rung: str, engine: str) -> list[dict[str, Any]]:
+    return examine({ladder: read(ladder)}, Case(ladder, rung, engine))
+
+
 @pytest.fixture
 def judge(ladder: str, plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, Any]]:
     """Return a function that has an engine, which promises 1e-3, end as told on a rung, and returns the row."""
@@ -40,7 +45,7 @@ def judge(ladder: str, plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Callable[
 
     def judge(outcome: Motion | Failure, rung: str = "as_is") -> dict[str, Any]:
         plug(outcome)
-        (row,) = examine(Case(ladder, rung, "stub"))
+        (row,) = examined_on(ladder, rung, "stub")
         return row
 
     return judge
@@ -87,7 +92,7 @@ def test_wrong_answers_and_refusals_are_told_apart(judge: Callable[..., dict[str
 
 def test_the_reference_is_held_to_arbitrary_precision(ladder: str) -> None:
     for rung, *expected in (("as_is", "ok", "right"), ("locking", "cannot_assemble", "refused")):
-        (row,) = examine(Case(ladder, rung, "analytic"))
+        (row,) = examined_on(ladder, rung, "analytic")
         assert [row["status"], row["outcome"]] == expected
 
 
@@ -101,7 +106,7 @@ def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.Monk
     monkeypatch.setattr(registry, "check_way", lambda _: None)
     exact = "compare.mechanics.round_off._sensitivity"
     monkeypatch.setattr(exact, lambda _, true: dict.fromkeys(true.samples, 0 * true["time"]))
-    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    (row,) = examined_on(ladder, "as_is", "analytic")
     assert row["outcome"] == "silent"
     assert "P3.fx" in row["reason"]
 
@@ -109,8 +114,8 @@ def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.Monk
 def test_an_expectation_that_does_not_hold_is_told(ladder: str) -> None:
     file = Path(ladder)
     file.write_text(LADDER.replace('locking = "cannot_assemble"', 'shorter = "cannot_assemble"'), encoding="utf-8")
-    assert examine(Case(ladder, "shorter", "analytic"))[0]["outcome"] == "silent"
-    assert examine(Case(ladder, "locking", "analytic"))[0]["outcome"] == "false alarm"
+    assert examined_on(ladder, "shorter", "analytic")[0]["outcome"] == "silent"
+    assert examined_on(ladder, "locking", "analytic")[0]["outcome"] == "false alarm"
 
 
 @pytest.fixture
@@ -175,13 +180,13 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
     file = Path(ladder)
     file.write_text(LADDER.replace("[steps]", "digits = true\n[steps]"), encoding="utf-8")
     monkeypatch.setattr("compare.measure.hard.digits.AROUND", np.array([1e-3]))  # few positions do here
-    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    (row,) = examined_on(ladder, "as_is", "analytic")
     assert row["outcome"] == "right"
     assert 0 <= row["acceleration_lost"] <= row["acceleration_allowed"] <= 4
     (digits,) = hard_tables.digits(pd.DataFrame([row]))
     assert list(digits)[3:] == ["position", "velocity", "acceleration", "reaction", "torque"]
     monkeypatch.setattr(hard, "digits_lost", lambda _: {"velocity": {"lost": 5.0, "allowed": 2.0}})
-    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    (row,) = examined_on(ladder, "as_is", "analytic")
     assert (row["outcome"], row["reason"]) == ("silent", "velocity loses 5.0 digits")
 
 
@@ -190,7 +195,7 @@ def study_of(cases: pd.DataFrame) -> Any:
 
 
 def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
-    rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
+    rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examined_on(ladder, "as_is", "analytic")]
     html = render("hard.html", **in_full(study_of(pd.DataFrame(rows))))
     assert "3 runs of 1 linkages" in html
     assert "0 wrong results passed for right ones, 0 right results were refused." in html

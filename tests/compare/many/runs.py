@@ -20,12 +20,12 @@ CRANK_SLIDER = scene_files.path("offset_slider_crank")
 
 def run(file: str | Path, vary: Sequence[str], engines: Sequence[str] = ()) -> list[Member]:
     changes = grid([variation(text) for text in vary])
-    return list(members(Asked(file, engines, Sampling(72)), changes, lambda _: None))
+    return list(members(Asked(scenes.load(file), engines, Sampling(72)), changes, lambda _: None))
 
 
 def one(file: str | Path, changes: Mapping[str, float]) -> tuple[Mapping[str, Peak], Cycle]:
     """The numbers and the cycle of a single member."""
-    (member,) = members(Asked(file, (), Sampling(72)), [changes], lambda _: None)
+    (member,) = members(Asked(scenes.load(file), (), Sampling(72)), [changes], lambda _: None)
     assert member.cycle is not None, member.reason
     return member.numbers, member.cycle
 

@@ -7,6 +7,7 @@ import sys
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from signal import SIGINT, SIGKILL
 from subprocess import PIPE
@@ -54,7 +55,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 def run(file: Path, folder: Path, samples: int = 24) -> dict[float, str]:
     """The statuses by speed, in the order in which the members come."""
     scene, changes, sampling = load(file), grid([variation("drive.speed=10:40:4")]), Sampling(samples)
-    asked = Asked(scene.file, ["analytic"], sampling)
+    asked = Asked(scene, ["analytic"], sampling)
     members = going_on(kept_members(folder, scene, asked), asked, changes, None, lambda _: None)
     return {member.changes["drive.speed"]: member.status for member in members}
 
@@ -86,7 +87,7 @@ def test_members_that_are_kept_make_the_same_report(tmp_path: Path, monkeypatch:
     engines, changes = ["analytic", "pymunk"], grid(variations)
     written = []
     for again in ("first", "second"):
-        asked = Asked(scene.file, engines, sampling)
+        asked = Asked(scene, engines, sampling)
         members = going_on(kept_members(tmp_path, scene, asked), asked, changes, None, lambda _: None)
         written.append(write_family(Family(scene, variations, engines, [*members]), tmp_path / again))
         monkeypatch.setattr(family, "_member", lambda *_: pytest.fail("solved again"))
@@ -110,7 +111,7 @@ def test_what_is_kept_is_data_that_runs_nothing(tmp_path: Path, solved: list[flo
     scene, sampling = load(CRANK_SLIDER), Sampling(24)
     changes = grid([variation("drive.speed=10:40:4")])
     packed = b64encode(pickle.dumps(Bomb(tmp_path / "ran"))).decode()
-    kept = kept_members(tmp_path, scene, Asked(scene.file, ["analytic"], sampling))
+    kept = kept_members(tmp_path, scene, Asked(scene, ["analytic"], sampling))
     other = encoded([Member({}, "ok", ""), {}])
     hostile: list[Any] = [packed, [packed, {}], None, {}, {"pathlib:Path": {}}, other]
     hostile += [{kind: ["os", "system"]} for kind in ("os:system", "tuple", "dict", "array", "settings")]
@@ -138,7 +139,7 @@ def test_data_of_nothing_are_refused(data: object) -> None:
 def dying(asked: Asked, task: tuple[Mapping[str, float], object]) -> Member:
     """A member that may run; of speeds that end in 5 it takes its process along, of such below 20 the first time."""
     speed = task[0]["drive.speed"]
-    tries = Path(asked.file) / f"{speed:g}"
+    tries = Path(asked.scene.file) / f"{speed:g}"
     if speed % 10 == 5 and not (speed < 20 and tries.exists()):
         tries.open("a", encoding="utf-8").write("x")
         os.kill(os.getpid(), SIGKILL)
@@ -150,8 +151,9 @@ def test_a_member_whose_process_dies_is_tried_once_more_by_itself(
 ) -> None:
     monkeypatch.setattr("compare.measure.many.going_on._on_worker", dying)
     monkeypatch.setattr("compare.measure.many.going_on.changed", lambda *_: None)
-    asked, changes = Asked(tmp_path, ["analytic"], Sampling(24)), grid([variation("drive.speed=10:30:5")])
-    kept = kept_members(tmp_path, load(CRANK_SLIDER), asked)
+    scene, changes = replace(load(CRANK_SLIDER), file=str(tmp_path)), grid([variation("drive.speed=10:30:5")])
+    asked = Asked(scene, ["analytic"], Sampling(24))
+    kept = kept_members(tmp_path, scene, asked)
     members = [*going_on(kept, asked, changes, by_processes(2), lambda _: None)]
     assert {member.changes["drive.speed"]: member.status for member in members} == {
         **dict.fromkeys((10, 15, 20, 30), "ok"),
@@ -167,7 +169,7 @@ def test_a_member_whose_process_dies_is_tried_once_more_by_itself(
 def test_an_engine_that_dies_is_a_row_of_its_member(tmp_path: Path) -> None:
     """By workers too, whose engines have processes of their own."""
     scene, changes = load(CRANK_SLIDER), grid([variation("drive.speed=10:20:2")])
-    asked = Asked(scene.file, ["analytic", "pymunk"], Sampling(24))
+    asked = Asked(scene, ["analytic", "pymunk"], Sampling(24))
     with doomed({"pymunk": "abort"}):
         members = [*going_on(kept_members(tmp_path, scene, asked), asked, changes, by_processes(1), lambda _: None)]
     for member in members:

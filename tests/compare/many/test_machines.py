@@ -97,7 +97,7 @@ def test_no_peak_is_lost_between_samples(name: str, tolerance: float) -> None:
     rng, scene = np.random.default_rng(1), scenes.load(name)
     lengths = [path for path in scene.numbers if ".lengths." in path]
     off = 1 + 0.003 * rng.uniform(-1, 1, (12, len(lengths)))
-    others = dict(zip(lengths, (np.array(numbers_in(scene.file, lengths)) * off).T, strict=True))
+    others = dict(zip(lengths, (np.array(numbers_in(scene, lengths)) * off).T, strict=True))
     changes = draws(scene, 0, 0, 12) if scene.variations else others
     few, more = (machines(reference(name), changes, samples) for samples in (SAMPLES, 8 * SAMPLES))
     assert few.running.tolist() == more.running.tolist() == [*range(12)]

@@ -116,7 +116,7 @@ def test_a_member_keeps_no_samples_but_its_curves() -> None:
     What the page and the files show of one is the same as of a judgement with all its samples.
     """
     request, change, engines = Sampling(360), {ROCKER: 312.5}, ["analytic", "exudyn"]
-    (member,) = members(Asked("toggle_press", engines, request), [change], lambda _: None)
+    (member,) = members(Asked(scenes.load("toggle_press"), engines, request), [change], lambda _: None)
     kept, whole = member.judgement, judged(scenes.load("toggle_press", change), engines, request)
     assert kept is not None
     assert len(ForkingPickler.dumps(member)) < 0.3e6
