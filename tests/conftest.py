@@ -1,5 +1,6 @@
 """What several tests need: the toggle press, its reference, and engines that end as told."""
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -24,6 +25,25 @@ from .comparisons import SAMPLING, Outcome, Plug, References, Stub, Studies, com
 set_hypothesis_home_dir(Path(gettempdir()) / "hypothesis")
 settings.register_profile("no leftovers", database=None)
 settings.load_profile("no leftovers")
+
+
+@pytest.hookimpl(tryfirst=True)  # before tests are left out by their marks
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of a test that is marked `sampled(count)`, leave so many cases to the default tests, and have the rest slow.
+
+    Those left are as far apart in their order as can be, the first and the last among them. Cases that are slow by
+    themselves do not count.
+    """
+    cases = defaultdict(list)
+    for item in items:
+        mark = item.get_closest_marker("sampled")
+        if mark and not any(item.get_closest_marker(name) for name in ("slow", "study")):
+            cases[item.nodeid.partition("[")[0], mark.args[0]].append(item)
+    for (_, count), found in cases.items():
+        left = {round(number * (len(found) - 1) / max(count - 1, 1)) for number in range(count)}
+        for number, item in enumerate(found):
+            if number not in left:
+                item.add_marker("slow")
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from tests import absolute_forces, scene_files
 from tests.absolute_coordinates import solve
 from tests.absolute_friction import SEVERAL, JammedError, resisted
 from tests.agreement import FORCES, errors, worst
+from tests.comparisons import sampled
 from tests.friction_scenes import everywhere
 
 SAMPLING = Sampling(8)
@@ -116,6 +117,7 @@ def several(scene: Scene, where: str) -> bool:
     return found == [True]
 
 
+@sampled(3)
 @each(*ENGINES)
 @by_scene
 def test_every_rung(held: Held, name: str) -> None:
@@ -177,6 +179,7 @@ Q, LEVER, LENGTH = 20.0, 0.1, 0.15  # of the drawer: N, m, m
 CRITICAL = LENGTH / (2 * LEVER)
 
 
+@sampled(4)
 @each(*(held for held in ENGINES if held[:2] != ("pymunk", "DEFAULT")))  # that moves no massless bodies
 @pytest.mark.parametrize("pushed", [False, True])
 def test_drawer(held: Held, *, pushed: bool) -> None:

@@ -15,7 +15,7 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 pytestmark = SLOW
 ROOT = Path(__file__).parents[1]
@@ -138,6 +138,7 @@ def test_an_install_of_the_checkout_keeps_its_types(checkout: Path, tmp_path: Pa
     assert "Success" in told
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("written", "options"),
     [("summary.json", ()), ("family.json", ("--vary", "bodies.rocker.lengths.C-B=245:250:2", "--workers", "2"))],

@@ -17,6 +17,7 @@ from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.scene import ConstantSpeed
 from tests import absolute_coordinates, scene_files
 from tests.agreement import off_50_digits
+from tests.comparisons import sampled
 
 from .newton import as_one_group, assert_close, intervals
 from .test_mechanisms import FLIPPED, flipped
@@ -37,6 +38,7 @@ def solve(class_iii: Scene) -> Solver:
 WHOLE = ("toggle_press", "busy", "shaper", "swinging_block", "scotch_yoke", "tangent", "carried_block", "driven_toggle")
 
 
+@sampled(3)
 @pytest.mark.parametrize(
     ("name", "kept"), [*((name, 0) for name in WHOLE), ("carried_block", -1), ("carried_yoke", -1)]
 )

@@ -12,12 +12,14 @@ from analytic.solve import prepared
 from compare.mechanics.reference import uncertified
 from scenes import Failure, Positions, Sampling, hard
 from tests.agreement import off_50_digits
+from tests.comparisons import sampled
 
 from .newton import as_one_group
 
 EPS = 2.0**-52
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["toggle_press", "class_iii", "quick_return"])
 def test_the_error_is_the_same_in_every_turn(name: str) -> None:
     """10,000 turns and not a digit less: 6e4 rad off by one in their last place would be 7e-12, 30,000 times eps."""
@@ -58,6 +60,7 @@ def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
             assert error.max() <= 20 * EPS * peak / float(label) ** power
 
 
+@sampled(1)
 @pytest.mark.parametrize("guard", ["branch", "parabola"])
 def test_what_keeps_newton_on_its_branch(monkeypatch: pytest.MonkeyPatch, guard: str) -> None:
     """Without the sign of the determinant it ends on the other branch; without looking back it leaps over the lock."""

@@ -13,6 +13,7 @@ from analytic.core.groups import continuation
 from scenes import Failure, InputError, Scene, Status
 from scenes.scene import ConstantSpeed, PressForce
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .newton import assert_close, intervals
 
@@ -31,6 +32,7 @@ def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
     return dict(zip(written, others.T, strict=True))
 
 
+@sampled(4)
 @pytest.mark.parametrize("name", [*scenes.shipped(), *GROUPS])
 def test_each_machine_is_as_one_of_a_file(name: str) -> None:
     """Every number of the file differs, and the drive's way, in another form of the arithmetic, is the same."""

@@ -15,7 +15,7 @@ from scenes.model.motion import Samples, channels, quantity
 from scenes.scene import Slide
 from tests import absolute_coordinates, scene_files
 from tests.agreement import errors, off_50_digits
-from tests.comparisons import References
+from tests.comparisons import References, sampled
 from tests.linkages import xy
 
 # A slot that the file declares from the other side, on a body that is not placed yet when the block is, or is.
@@ -50,6 +50,7 @@ def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     return errors(solve(driven.position, time), expected)
 
 
+@sampled(6)
 @pytest.mark.parametrize("name", NAMES)
 def test_against_absolute_coordinates(references: References, name: str) -> None:
     reference = references(name)
@@ -58,6 +59,7 @@ def test_against_absolute_coordinates(references: References, name: str) -> None
         assert error.max() <= (1e-12 if "clamp" in name else 1e-13), channel
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", FLIPPED)
 def test_slots_from_the_other_side(name: str) -> None:
     """The route is the same: which of the two is called the slider is no matter of the linkage's."""
@@ -68,6 +70,7 @@ def test_slots_from_the_other_side(name: str) -> None:
         assert error.max() <= 1e-13, channel  # as above
 
 
+@sampled(6)
 @pytest.mark.parametrize("name", NAMES)
 def test_against_50_digits(references: References, name: str) -> None:
     """Newton on the constraints from the sketch, and Newton-Euler with multipliers: each channel by its own peak."""

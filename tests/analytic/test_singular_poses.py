@@ -17,6 +17,7 @@ from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.agreement import errors, exact
+from tests.comparisons import sampled
 
 from .newton import as_one_group
 
@@ -116,6 +117,7 @@ def by_newton(scene: Scene) -> Solver:
     return prepared(scene, as_one_group(scene, -1))
 
 
+@sampled(1)
 @pytest.mark.parametrize("scene", [guides, bars], ids=["PRP", "RRR"])
 def test_between_samples_a_larger_group_is_refused_and_near_it_solved(scene: Callable[[float], Scene]) -> None:
     beyond = by_newton(scene(-1e-6))

@@ -19,6 +19,7 @@ from compare.mechanics.reference import uncertified
 from scenes import Failure, Motion, Sampling, Scene
 from tests import scene_files
 from tests.agreement import attitude, solve, where
+from tests.comparisons import sampled
 from tests.linkages import xy
 
 from .newton import intervals
@@ -113,6 +114,7 @@ FOLDED = {"bodies.coupler.lengths.A-B": 2.5}
 BARS = ("coupler", "upper", "lower")  # of class III
 
 
+@sampled(4)
 @pytest.mark.parametrize("case", NEAREST)
 def test_a_length_changed_by_that_much_locks(case: str) -> None:
     """One way by a little more it does not reach, and by less it has just that left; the other way it does."""

@@ -97,7 +97,7 @@ PAGES: Mapping[str, Callable[[Study, Path], Path]] = {
 
 @pytest.fixture(
     scope="module",
-    params=[pytest.param(name, marks=[] if name in ("report", "family") else SLOW) for name in PAGES],
+    params=[pytest.param(name, marks=[] if name == "report" else SLOW) for name in PAGES],
 )
 def opened(
     request: pytest.FixtureRequest, browser: "Browser", press_study: Study, tmp_path_factory: pytest.TempPathFactory

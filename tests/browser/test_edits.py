@@ -14,7 +14,7 @@ from compare.measure.many.machines import draws
 from compare.report.output import files
 from scenes.limits import NAME
 from tests import scene_files
-from tests.comparisons import studied
+from tests.comparisons import SLOW, sampled, studied
 from tests.pages import now, pin, silent, typed
 
 if TYPE_CHECKING:
@@ -186,6 +186,7 @@ def test_a_copied_scene_has_points_where_lengths_are_on_one_line(lever: "Page", 
     assert lever.locator("#bench b", has_text=f"{scene.name}.toml").count()
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("path", "value", "text"),
     [
@@ -213,6 +214,7 @@ def test_a_damper_gets_a_stiffness(browser: "Browser", folder: Path) -> None:
         assert abs(shown(now(page, "Drive: torque")[1])) == pytest.approx(size, rel=1e-3)
 
 
+@SLOW
 def test_machines_whose_friction_a_few_steps_do_not_balance_are_not_known(browser: "Browser", folder: Path) -> None:
     """The core solves all of them, and all meet the limit: the page has a least and a largest yield."""
     scene, path = written(folder, "scotch_yoke", YOKE)

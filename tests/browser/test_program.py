@@ -15,6 +15,7 @@ from compare.report.plain import plain
 from scenes import Sampling, Scene, Status, load, shipped, with_changes
 from scenes.drive import Samples
 from tests import scene_files
+from tests.comparisons import sampled
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -80,6 +81,7 @@ def differences(channels: list[str], page: Samples, core: Any) -> Samples:
     return np.asarray(np.abs(page[:-1] - truth).max(axis=1) / np.maximum(np.abs(truth).max(axis=1), floor))
 
 
+@sampled(4)
 @pytest.mark.parametrize("name", dyads())
 def test_the_page_has_the_numbers_of_the_core(blank: "Page", name: str, tmp_path: Path) -> None:
     """To 1e-12 of each channel's peak; of the clamps, whose forces are differences of large ones, to 2e-12."""

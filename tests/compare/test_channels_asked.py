@@ -30,7 +30,9 @@ from compare.report.tables import study as tables
 from scenes import Motion, Request, Sampling, Settings, Status
 from scenes.model.motion import channels, header, quantity
 from tests import scene_files
-from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, studied
+from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, sampled, studied
+
+PRESS = scene_files.load("crank_press", {"drive.start": 90})
 
 
 @pytest.mark.parametrize(
@@ -58,6 +60,7 @@ def test_accuracies_that_are_not(text: str) -> None:
         accuracy(text)
 
 
+@sampled(3)
 @pytest.mark.parametrize(
     ("name", "patterns"),
     [
@@ -148,31 +151,33 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     assert verdict.status is status
 
 
-def test_one_channel_of_a_press_on_its_switch() -> None:
+@sampled(3)
+@pytest.mark.parametrize("kind", sorted({quantity(channel) for channel in channels(PRESS)[2:]}))
+def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
     """One component of a vector is judged by the vector, on the side of the switch where it fits: right or spoilt.
 
     The middle sample is the lower dead point, where the press force ends and rounding decides whether it acts.
     """
-    pressing = uncertified(scene_files.load("crank_press", {"drive.start": 90}))
-    scene = pressing.scene
+    pressing, scene = uncertified(PRESS), PRESS
     without = of_scene(pressing, replace(scene, loads=()))
     on, off = (commanded(reference) for reference in (pressing, without))
     on_switch = np.arange(SAMPLING.count) == SAMPLING.count // 2
     (may,) = pressing.acts(on)
     assert np.array_equal(on_switch, may.any(axis=0) & ~may.all(axis=0))
-    for channel in {quantity(channel): channel for channel in channels(scene)[2:]}.values():
-        few = replace(SAMPLING, channels=frozenset({channel}))
-        for side in (on, off):
-            right = {c: np.where(on_switch, side[c], on[c]) for c in few.wanted(scene)}
-            spoilt = right | {channel: 1.1 * right[channel] + 0.1 * pressing.scale[channel]}
-            runs = (Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=Motion(m)) for m in (right, spoilt))
-            well, badly = (assess(pressing, few, run, explain(pressing, few)) for run in runs)
-            assert well.run.status is Status.ok, well.run.reason
-            assert badly.run.status is not Status.ok, channel
-            assert len(sentences(pressing, [badly], set())) <= 1  # of one number a cause may be unknown
-            assert peaks(pressing, few, [well, badly]) is not None
+    channel = [name for name in channels(scene)[2:] if quantity(name) == kind][-1]
+    few = replace(SAMPLING, channels=frozenset({channel}))
+    for side in (on, off):
+        right = {c: np.where(on_switch, side[c], on[c]) for c in few.wanted(scene)}
+        spoilt = right | {channel: 1.1 * right[channel] + 0.1 * pressing.scale[channel]}
+        runs = (Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=Motion(m)) for m in (right, spoilt))
+        well, badly = (assess(pressing, few, run, explain(pressing, few)) for run in runs)
+        assert well.run.status is Status.ok, well.run.reason
+        assert badly.run.status is not Status.ok, channel
+        assert len(sentences(pressing, [badly], set())) <= 1  # of one number a cause may be unknown
+        assert peaks(pressing, few, [well, badly]) is not None
 
 
+@sampled(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_some_channels_of_some_places_are_judged(seed: int) -> None:
     """Where one joint, point or body has channels that another's were not asked for."""

@@ -16,7 +16,7 @@ from compare.run import main
 from scenes import Failure, InputError, Motion, Sampling, Scene, Settings, Status
 from scenes.scene import ConstantSpeed
 from tests import scene_files
-from tests.comparisons import Plug
+from tests.comparisons import Plug, sampled
 
 
 def test_a_shipped_scene_is_judged_as_by_the_command_line(
@@ -114,6 +114,7 @@ def test_a_run_that_ends_has_one_cycle() -> None:
         compare.check("double_toggle_clamp", turns=2)
 
 
+@sampled(4)
 @pytest.mark.parametrize("engine", [*registry.DEFAULT_ENGINES, registry.ORACLE, "casadi", "pinocchio", "mujoco"])
 @pytest.mark.parametrize("place", [1000, 1010])
 def test_a_spring_without_free_length_whose_ends_meet_or_nearly(engine: str, place: int) -> None:

@@ -17,7 +17,7 @@ import pytest
 from compare.cli.command import Parser, command
 from compare.engines import TRACEBACK
 from scenes import InputError
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 COMMANDS = ("compare.run", "benchmarks.faults", "papers.audit", "papers.optimise")
 START = "import os, signal, sys; from compare.cli.command import command, shown_progress, starting\n"
@@ -51,6 +51,7 @@ ENDS = {
 }
 
 
+@sampled(8)
 @pytest.mark.parametrize("program", [IMPORTING, RUNNING])
 @pytest.mark.parametrize("stop", ENDS)
 def test_one_line_and_a_status(program: str, stop: str) -> None:

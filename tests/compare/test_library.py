@@ -12,8 +12,12 @@ from compare.run import main
 from scenes.model.motion import kinematic_channels
 from tests.comparisons import SLOW
 
+QUICK = ("crank_press", "four_bar", "quick_return")  # a press force, a crank-rocker, a slot
 
-@pytest.fixture(scope="module", params=scenes.shipped())
+
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=() if name in QUICK else SLOW) for name in scenes.shipped()]
+)
 def judgement(request: pytest.FixtureRequest) -> Judgement:
     return compare.check(request.param)
 

@@ -41,7 +41,7 @@ def stopped_after(words: str) -> list[str]:
 
     said: list[str] = []
     with only_few_settings():
-        result = study(scenes.load("toggle_press"), DEFAULT_ENGINES, Sampling(72), Budget(1, 0.0), progress)
+        result = study(scenes.load("four_bar"), DEFAULT_ENGINES, Sampling(24), Budget(1, 0.0), progress)
     assert all(len(m.errors) for m in result.measurements)
     return [*(m.run.engine for m in result.measurements), str(len(result.speed)), *result.reasons]
 

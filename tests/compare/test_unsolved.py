@@ -17,6 +17,7 @@ from compare.run import main
 from scenes import Failure, Scene
 from scenes.model.enclosures import MotionRange
 from tests import friction_scenes, scene_files
+from tests.comparisons import sampled
 
 SHORT = {"bodies.rocker.lengths.O-P3": 30}  # the press goes only part of a turn
 LOOSE = {"bodies.crank.lengths.O-A": 1000}  # the four-bar never assembles
@@ -117,6 +118,7 @@ def test_the_joint_is_marked_where_it_is_drawn() -> None:
         assert "visibility" not in ghost.attrib
 
 
+@sampled(1)
 @pytest.mark.usefixtures("few_settings")
 @pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 2, 0)], ids=["bad ones first", "bad ones last"])
 def test_the_others_of_a_batch_go_on(

@@ -19,7 +19,7 @@ from compare.judge.measure import measure
 from compare.mechanics.reference import uncertified
 from scenes import InputError, Sampling, Status
 from tests import scene_files
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 Place = tuple[str | int, ...]
 TOGGLE_PRESS = scene_files.text("toggle_press")
@@ -98,6 +98,7 @@ def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_E
     return "ran"
 
 
+@sampled(10)
 @pytest.mark.parametrize("how", INSTEAD)
 @pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW if name in LATER else ()) for name in WHOLE])
 def test_one_thing_broken(name: str, how: str, tmp_path: Path) -> None:

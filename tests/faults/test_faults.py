@@ -18,7 +18,7 @@ from compare.judge.triage import cause
 from compare.mechanics.reference import uncertified
 from scenes import Motion
 from tests import scene_files
-from tests.comparisons import References, changed
+from tests.comparisons import References, changed, sampled
 from tests.faults import table
 from tests.faults.catalogue import catalogue
 from tests.faults.fault import Clean, Fault, above
@@ -109,6 +109,7 @@ def test_what_is_left_out_and_where_loads_act_is_named(family: str, references: 
     assert faults
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["twisted_four_bar", "gas_spring"])
 def test_a_spoilt_element_is_found_and_named(name: str) -> None:
     reference = uncertified(scene_files.load(name))

@@ -37,6 +37,7 @@ from papers.clamp.optimisation.search import (
 )
 from papers.clamp.optimisation.study import AHEAD, LENGTHS, MAIN, MET, SIX, Effort, Point, ahead, fixed_ratio, study
 from papers.clamp.optimisation.tables import findings, improved
+from tests.comparisons import SLOW, sampled
 from tests.deaths import children
 
 from .designs import AHEAD_IN_SIX
@@ -81,6 +82,7 @@ def test_a_limit_that_is_broken_counts() -> None:
     assert itself.violations(itself.rows(SCHEME_4)).max() <= 1e-15  # scheme 4 is no worse than itself
 
 
+@sampled(1)
 @pytest.mark.parametrize(("ratio", "best"), [(1.0, 26.874086), (1.08, 24.163611), (1.12, 22.462748)])
 def test_a_few_starts_find_the_optimum(ratio: float, best: float) -> None:
     optimum = search(fixed_ratio(ratio), 16)
@@ -147,6 +149,7 @@ def test_what_that_design_is_worse_in_is_named(six: Optimum) -> None:
     assert abs(peak_valley) <= 2e-4  # a tie, as a_m's range
 
 
+@SLOW
 def test_an_optimum_that_evolution_can_improve_is_reported() -> None:
     problem = fixed_ratio(1.0)
     true = search(problem, 2)

@@ -14,6 +14,7 @@ from scenes.hard import Ladder, Rung
 from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed
 from tests import scene_files
+from tests.comparisons import sampled
 
 NAMES = (*hard.catalogue(), *hard.catalogue(long=True))
 TURNS_ENOUGH = 100  # of the core's samples, which do not know of each other; more only take longer
@@ -60,6 +61,7 @@ def test_a_ladder_says_everything(ladder: Ladder) -> None:
     assert pickle.loads(pickle.dumps(ladder)) == ladder
 
 
+@sampled(6)
 def test_the_reference_ends_as_expected(ladder: Ladder) -> None:
     for rung in ladder.rungs:
         if rung.status == hard.INVALID:
@@ -83,6 +85,7 @@ def test_part_of_a_turn_keeps_clear_of_a_change_point() -> None:
     assert "two ways of assembling the bodies meet at crank angle 0.0000 deg" in crossing.reason.replace("-0.0", "0.0")
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", LOCKS)
 def test_the_distance_to_the_lock_is_the_label(name: str) -> None:
     """To 6e-16 m: three roundings of lengths of up to 1.5 m, of the file's and of their sum; 6e-7 of the last rung."""

@@ -14,7 +14,7 @@ from sim_models.exudyn.system import ExudynSystem, exudyn
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import start as pymunk_start
 from sim_models.pymunk.runs import stepping as pymunk_run
-from tests.comparisons import estimated
+from tests.comparisons import estimated, sampled
 
 SAMPLING = Sampling(72)
 WORTH = {"exudyn": 1e-3, "pymunk": 1e-2}  # what an engine that says ok is worth, as in the hard cases
@@ -43,6 +43,7 @@ SPOILT: list[tuple[str, Spoil, Settings]] = [
 ]
 
 
+@sampled(3)
 @pytest.mark.parametrize(("engine", "spoil", "settings"), SPOILT, ids=lambda of: getattr(of, "label", ""))
 def test_a_wrong_start_is_forgotten_or_told(
     reference: Reference, engine: str, spoil: Spoil, settings: Settings

@@ -12,6 +12,7 @@ import scenes
 from compare.engines import registry
 from scenes import Sampling, Scene
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .formulations import run
 
@@ -85,6 +86,7 @@ LINKAGES = {
 }
 
 
+@sampled(12)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", LINKAGES)
 def test_no_way_from_the_sketch_leads_through_a_lock(name: str, engine: str, tmp_path: Path) -> None:
@@ -95,6 +97,7 @@ def test_no_way_from_the_sketch_leads_through_a_lock(name: str, engine: str, tmp
         assert np.abs(off).max() <= model.DEFAULT.promise  # of a stroke of about 1 m
 
 
+@sampled(4)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("sketched", [0.076, 0.12, 0.164])
 def test_a_driven_slider_goes_to_its_start_from_anywhere_in_its_range(sketched: float, engine: str) -> None:
@@ -129,6 +132,7 @@ def test_the_closed_form_is_believed_across_its_whole_range(tmp_path: Path) -> N
     assert judged.ok, judged.verdicts
 
 
+@sampled(5)
 @pytest.mark.parametrize("engine", ["exudyn", "pymunk", "multiprecision"])
 @pytest.mark.parametrize("beside", [-5e-10, 0, 5e-10])
 @pytest.mark.parametrize("between", [("crank", "rod"), ("rod", "crank")])

@@ -17,6 +17,7 @@ from tests import scene_files
 from tests.absolute_bodies import Floats
 from tests.absolute_coordinates import Absolute
 from tests.clean_scenes import clean_scenes
+from tests.comparisons import sampled
 
 # By Newton's method from 2,000 starts each. Watt's second dyad reaches on one branch of the first alone.
 COUNTS = {"four_bar": 2, "watt_six_bar": 2, "stephenson_six_bar": 4, "walking_leg": 8, "andrews_squeezer": 4}
@@ -95,6 +96,7 @@ def test_guides_that_cross_are_assembled_once(name: str) -> None:
     assert [one.meets for one in every.found] == [[]] * CROSSING[name]  # guides that are parallel cross nowhere
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", LARGER)
 def test_larger_groups_in_other_coordinates(name: str) -> None:
     scene = scenes.load(name) if name in scenes.shipped() else scene_files.load(name)

@@ -21,6 +21,7 @@ from scenes import Failure, Scene
 from scenes.model.motion import Samples
 from scenes.scene import Sketch
 from tests import scene_files
+from tests.comparisons import SLOW, sampled
 
 LARGER = ("class_iii", "dump_truck", "scissor_lift", "slotted_class_iii", "class_iii_among_dyads", "triad", "lift")
 PART = 0.3, 0.45  # of the range, where another assembly is followed
@@ -65,6 +66,7 @@ def open_at(monkeypatch: pytest.MonkeyPatch, scene: Scene, tracks: Tracks) -> tu
     return analytic.enclose(scene, {f"{group.bodies[0]}.angle" for group in tracks}).open_at
 
 
+@sampled(3)
 @pytest.mark.parametrize("name", LARGER)
 def test_one_branch_is_proven(name: str) -> None:
     found = boxes.Boxes(scene_files.load(name), None, {}).branches
@@ -86,6 +88,7 @@ def assert_noticed(monkeypatch: pytest.MonkeyPatch, name: str, part: tuple[float
     assert open_at(monkeypatch, scene, mixed) is None
 
 
+@SLOW
 def test_another_assembly_in_some_boxes_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert_noticed(monkeypatch, "lift", PART, PART[0])
 

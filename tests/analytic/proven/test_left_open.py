@@ -13,6 +13,7 @@ import scenes
 from benchmarks import windows as benchmark
 from scenes import Sampling, Scene
 from tests import scene_files
+from tests.comparisons import sampled
 from tests.naming import loaded
 
 NAMES = {name: name for name in ("O", "F", "E", "arm", "cylinder", "rod")}
@@ -89,6 +90,7 @@ SCENES = {
 }
 
 
+@sampled(1)
 @pytest.mark.parametrize("case", SCENES)
 def test_friction_that_contracts_is_enclosed(case: str) -> None:
     """Joints without a load have no direction of it, and those at rest no sense: the loads themselves are known."""
@@ -103,6 +105,7 @@ def test_friction_that_contracts_is_enclosed(case: str) -> None:
         assert row.low - size <= values.min() if row.extreme == "least" else values.max() <= row.high + size, row
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("most", "count", "why"), [(100, 16, "100 boxes are too few"), (8000, 45, "16 digits are too few")]
 )

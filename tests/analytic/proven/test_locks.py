@@ -9,6 +9,7 @@ from scenes import Failure
 from scenes.model.motion import Positions
 from tests import scene_files
 from tests.agreement import exact
+from tests.comparisons import SLOW, sampled
 
 RRR, HALF, GUIDE = acos((2**2 + 3**2 - (1.5 + 1.2) ** 2) / (2 * 2 * 3)), acos(0.75), asin(0.2 / hypot(1, 0.2))
 BESIDE = 1e-4  # rad, of a lock: between parallel guides 50 digits are too few for much less
@@ -20,6 +21,7 @@ LOCKS: dict[str, tuple[str, scene_files.Changes, float]] = {  # see `test_motion
 }
 
 
+@sampled(2)
 @pytest.mark.parametrize("case", LOCKS)
 def test_where_it_locks(case: str) -> None:
     """An angle by the law of cosines; 50 digits assemble on this side of it, and not on the other."""
@@ -36,6 +38,7 @@ def test_where_it_locks(case: str) -> None:
         exact(scene, Positions((scene.drive.law.start, angle + BESIDE)))
 
 
+@SLOW
 def test_where_a_larger_group_locks() -> None:
     scene = scene_files.load("jumps")
     low, high = analytic.enclose(scene).open_at or (0.0, 0.0)

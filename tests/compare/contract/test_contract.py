@@ -15,7 +15,7 @@ import scenes
 from compare.contract import asked, test_motion, test_process, test_protocol, test_refusals
 from compare.engines import TRACEBACK, registry
 from tests.compare.contract.faults import FAULTS, Fault
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 from tests.sites import GOOD, install, known
 
 ROOT = Path(__file__).parents[3]
@@ -86,6 +86,7 @@ def test_every_clause_can_fail() -> None:
     assert {fault.clause for fault in FAULTS.values()} == {*CLAUSES}
 
 
+@sampled(8)
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_wrong_engine_fails(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Called as pytest calls a clause: the values of its parameters by their names."""

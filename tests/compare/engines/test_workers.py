@@ -20,7 +20,7 @@ from compare.engines.processes.workers import Workers, workers
 from compare.engines.registry import ORACLE
 from compare.engines.runner import Run, limits
 from scenes import Positions, Request, Sampling, Scene, Status
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 from tests.deaths import DEATHS, TWELVE, children, doomed
 
 SAMPLING = Sampling(24)
@@ -37,6 +37,7 @@ def scene() -> Scene:
     return scenes.load("four_bar")
 
 
+@sampled(4)
 @pytest.mark.parametrize(
     "death", [*TWELVE, "much talk", *(pytest.param(d, marks=SLOW) for d in DEATHS if d not in (*TWELVE, "much talk"))]
 )

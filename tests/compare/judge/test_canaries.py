@@ -27,7 +27,7 @@ from compare.mechanics.scales import force_scales, relative_errors
 from compare.mechanics.scales import sizes as scale_sizes
 from scenes import Motion, Sampling, Status
 from tests import scene_files
-from tests.comparisons import SAMPLING, SLOW, References, all_checks
+from tests.comparisons import SAMPLING, SLOW, References, all_checks, sampled
 from tests.faults.mutants import applied, mutants
 from tests.faults.wrong_code import COMPARISON, _canaried, known
 
@@ -45,6 +45,7 @@ def press(references: References) -> Judgement:
     return judged(references("toggle_press"), ("analytic", "exudyn"))
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["three_at_a_pin", "busy", "telescope"])
 def test_none_is_let_through(name: str, references: References) -> None:
     found = judged(references(name), ("analytic",))
@@ -178,6 +179,7 @@ def patched(patch: pytest.MonkeyPatch, places: Sequence[Patch]) -> None:
         patch.setattr(module, name, wrong)
 
 
+@sampled(4)
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_wrong_comparison_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
     patched(monkeypatch, WRONG[wrong])
@@ -218,6 +220,7 @@ FROM_THE_START: dict[str, list[Patch]] = {
 }
 
 
+@sampled(6)
 @pytest.mark.parametrize("wrong", FROM_THE_START)
 def test_what_is_wrong_from_the_start_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
     runs = {m.run.engine: m.run for m in press.measurements}

@@ -13,7 +13,7 @@ from compare.mechanics.scales import travels
 from scenes import Motion, Sampling
 from scenes.scene import GuideForce
 from tests import scene_files
-from tests.comparisons import References, changed, commanded, of_scene, violations
+from tests.comparisons import References, changed, commanded, of_scene, sampled, violations
 
 NOTICED = [  # a mechanism, a channel, by how much it is moved, the check and body that must notice
     ("toggle_press", "P2.x", 1e-6, "closure", "crank"),
@@ -107,6 +107,7 @@ def test_a_body_that_carries_nothing_is_relative_to_the_largest_force(references
     assert off == pytest.approx(noise, rel=0.5)
 
 
+@sampled(5)
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)
 @pytest.mark.parametrize("engine", ["analytic", "multiprecision"])
 def test_two_models_pass_every_check(references: References, name: str, engine: str) -> None:

@@ -18,7 +18,7 @@ from compare.mechanics.scales import scales
 from scenes import Motion, Sampling, Settings, Status, hard
 from scenes.model.motion import force_channels, quantity
 from tests import scene_files
-from tests.comparisons import SAMPLING, References, changed, commanded, estimated, size_of, vector_of
+from tests.comparisons import SAMPLING, References, changed, commanded, estimated, sampled, size_of, vector_of
 
 
 def largest(reference: Reference, motion: Motion) -> dict[str, float]:
@@ -34,6 +34,7 @@ def settings(engine: str) -> list[Settings]:
 ENGINES = [(engine, of) for engine in ("exudyn", "pymunk") for of in settings(engine)]
 
 
+@sampled(5)
 @pytest.mark.parametrize("name", ["toggle_press", "walking_leg", "double_toggle_clamp", "quick_return"])
 @pytest.mark.parametrize(("engine", "of"), ENGINES, ids=lambda of: getattr(of, "label", of))
 def test_the_estimate_is_the_error(name: str, engine: str, of: Settings) -> None:
@@ -43,6 +44,7 @@ def test_the_estimate_is_the_error(name: str, engine: str, of: Settings) -> None
     assert estimated(measured) == pytest.approx(worst, rel=0.02, abs=1e-9)
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_a_moved_channel_is_off_by_as_much(references: References, name: str) -> None:
     """Rates and forces one after the other, and nothing else is; by the scales of the motion itself."""
@@ -57,6 +59,7 @@ def test_a_moved_channel_is_off_by_as_much(references: References, name: str) ->
             assert max(off.values()) <= 1e-12
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_an_open_joint_is_closed_in_the_estimate(references: References, name: str) -> None:
     """A place that is off by 1e-6 of the stroke is known to be, up to the condition times the square of it."""

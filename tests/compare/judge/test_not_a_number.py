@@ -14,11 +14,12 @@ from compare.judge.verdict import compared, judged
 from compare.mechanics.reference import Reference
 from scenes import Motion, Status
 from scenes.model.motion import channels
-from tests.comparisons import SAMPLING, References, changed, commanded, rows_of, violations
+from tests.comparisons import SAMPLING, References, changed, commanded, rows_of, sampled, violations
 
 OK = Run("stub", None, Status.ok)
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["shaper", "driven_toggle", "crank_press"])  # a slot, a spring and a table, a press
 def test_no_channel_passes_the_checks(references: References, name: str) -> None:
     """Among the checks are minima over the ways in which a press force may stand, and maxima over a body's points."""

@@ -10,6 +10,7 @@ from compare.report.tables import study as tables
 from compare.run import main
 from scenes import InputError, Scene
 from tests import scene_files
+from tests.comparisons import sampled
 
 
 def with_law(*times: float) -> scene_files.Changes:
@@ -58,6 +59,7 @@ def test_the_extent_of_a_law_is_found_between_any_rows() -> None:
 BAR, PLATE = "is taken for a uniform bar from A to C", "is taken for a uniform triangular plate"
 
 
+@sampled(2)
 @pytest.mark.parametrize(("height", "taken"), [(0.0, ""), (0.5, BAR), (2.0, PLATE), (49.0, PLATE), (51.0, "")])
 def test_a_plate_or_a_bar_that_is_nearly_the_other_is_named(height: float, taken: str) -> None:
     """The lever is 1000 mm long: a triangle no higher than 1 mm is a bar."""
@@ -73,6 +75,7 @@ def test_a_table_that_is_longer_than_a_turn_is_named() -> None:
     assert shown == {1: ["the table of loads.1 has a period of 2 turns; one turn shows a part, --turns 2 all"], 2: []}
 
 
+@sampled(1)
 @pytest.mark.parametrize("given", [True, False])
 def test_a_cylinder_that_is_taken_for_a_point_mass_is_named(given: bool) -> None:
     """Both parts of a gas spring; and not the block that slides on a coupler with pins of its own."""

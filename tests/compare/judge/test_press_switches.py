@@ -12,27 +12,33 @@ from scenes import Sampling
 from scenes.model.motion import Samples
 from scenes.scene import PressForce
 from tests import scene_files
+from tests.comparisons import SLOW
 
 MANY = 200  # as many loads as a scene may have
 ENGINES = ("analytic", "exudyn", "pymunk", "multiprecision", "casadi", "pinocchio")
 LASTS = [0.05 + 1.5 * n / MANY for n in range(MANY)]  # m, of a stroke of 2 m
-PRESSES: scene_files.Changes = {
-    "loads": [{"body": "slider", "at": "B", "force": [-1 if n % 2 else 1, 0], "last": x} for n, x in enumerate(LASTS)],
-    "bodies.rod.mass": 1e-12,  # pymunk turns no body of none
-}
 
 
+def presses(count: int) -> scene_files.Changes:
+    """So many of the press forces, on a rod that pymunk turns, as it does none without mass."""
+    every = enumerate(LASTS[:: MANY // count])
+    loads = [{"body": "slider", "at": "B", "force": [-1 if n % 2 else 1, 0], "last": x} for n, x in every]
+    return {"loads": loads, "bodies.rod.mass": 1e-14}
+
+
+@pytest.mark.parametrize("count", [20, pytest.param(MANY, marks=SLOW)])
 @pytest.mark.parametrize("engine", ENGINES)
-def test_two_hundred_press_forces_are_those_of_the_power(engine: str) -> None:
+def test_many_press_forces_are_those_of_the_power(engine: str, count: int) -> None:
     """Of a crank and a rod of no weight: T w = m a v - F v, with F by displacements of 2 to 4 m, read off the scene."""
     if registry.ENTRIES[engine].missing:
         pytest.skip("not installed")
     model = registry.engine(engine)
-    simulation = model.build(scene_files.load("slider_crank", PRESSES), model.DEFAULT, Sampling(12))
+    scene, lasts = scene_files.load("slider_crank", presses(count)), LASTS[:: MANY // count]
+    simulation = model.build(scene, model.DEFAULT, Sampling(12))
     simulation.solve()
     motion = simulation.read()
     x, v, a = (motion[f"B.{rate}x"] for rate in ("", "v", "a"))
-    against = [(x - 2 <= last) & (v < 0) if n % 2 == 0 else (4 - x <= last) & (v > 0) for n, last in enumerate(LASTS)]
+    against = [(x - 2 <= last) & (v < 0) if n % 2 == 0 else (4 - x <= last) & (v > 0) for n, last in enumerate(lasts)]
     forces = sum(np.where(acts, -1.0 if n % 2 else 1.0, 0.0) for n, acts in enumerate(against))
     between = np.abs(v) > 0.1  # not at a dead point, where all forces have their switch
     off = (motion["drive.torque"] * 10 - 2 * a * v + forces * v)[between]
@@ -40,9 +46,9 @@ def test_two_hundred_press_forces_are_those_of_the_power(engine: str) -> None:
     assert np.abs(off).max() <= model.DEFAULT.promise * np.abs(forces * v).max()
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(MANY, marks=pytest.mark.study)])
+@pytest.mark.parametrize("count", [pytest.param(8, marks=SLOW), pytest.param(MANY, marks=pytest.mark.study)])
 def test_many_press_forces_are_judged(count: int) -> None:
-    scene = scene_files.load("slider_crank", {**PRESSES, "loads": PRESSES["loads"][:: MANY // count]})
+    scene = scene_files.load("slider_crank", presses(count))
     judged = compare.check(scene, engines=("analytic", "exudyn", "pymunk"), samples=72)
     assert judged.ok, judged.verdicts
 

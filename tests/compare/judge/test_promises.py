@@ -9,6 +9,7 @@ from scenes import Sampling, Scene
 from scenes.laws import LAWS
 from tests import scene_files
 from tests.clean_scenes import clean_scenes
+from tests.comparisons import SLOW, sampled
 from tests.promises import PromiseRecord, judged_runs, record
 from tests.true_errors import Truth
 
@@ -22,7 +23,14 @@ def _records(scenes: Iterable[Scene], sampling: Sampling = SAMPLING) -> list[Pro
 
 
 @pytest.mark.parametrize(
-    ("count", "elements"), [(6, False), (4, True), pytest.param(60, True, marks=pytest.mark.study)]
+    ("count", "elements"),
+    [
+        (3, False),
+        (2, True),
+        pytest.param(6, False, marks=SLOW),
+        pytest.param(4, True, marks=SLOW),
+        pytest.param(60, True, marks=pytest.mark.study),
+    ],
 )
 def test_verdicts_keep_their_word(tmp_path: Path, count: int, *, elements: bool) -> None:
     """With elements nearly all have friction, which jams some."""
@@ -34,6 +42,7 @@ def test_verdicts_keep_their_word(tmp_path: Path, count: int, *, elements: bool)
         assert sum(right) >= least * count / 10
 
 
+@sampled(1)
 @pytest.mark.parametrize("periodic", [False, True])
 def test_rows_on_the_boundaries_of_segments(periodic: bool) -> None:
     """Every law up and down, and dwells: every third row is where accelerations or jerks jump.

@@ -17,6 +17,7 @@ from scenes import InputError, Motion, Sampling, Scene
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import TRANSMISSION
 from tests import scene_files
+from tests.comparisons import SLOW, sampled
 
 FEW = Sampling(samples=8)
 # The slider-crank's rod is 3 m, its crank 1 m: B runs from 2 to 4 m.
@@ -67,6 +68,7 @@ def test_models_and_limits_have_verdicts_of_their_own(tmp_path: Path) -> None:
         assert "✗ Limits missed</strong><span>0 of 2 limits are met" in (tmp_path / page).read_text(encoding="utf-8")
 
 
+@SLOW
 def test_a_larger_group_has_a_mechanical_advantage_in_place_of_an_angle() -> None:
     """By power it is the drive's rate over the output's speed, at the sample where that is largest."""
     scene = scene_files.load("scissor_lift")
@@ -138,6 +140,7 @@ def test_bounds_that_are_shown_are_bounds() -> None:
     assert shown[1] >= 4.0
 
 
+@sampled(1)
 @pytest.mark.parametrize(("most", "why"), [(np.inf, "of a reason"), (1e30, WIDE)])
 def test_a_bound_far_above_what_is_attained_is_not_known(most: float, why: str) -> None:
     """As of a long chain of dyads, whose boxes are too wide: it is no proof of anything, nor one of the other pins."""

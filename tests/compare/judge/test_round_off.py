@@ -18,7 +18,7 @@ from compare.mechanics.round_off import Explained, explain
 from scenes import Sampling, Scene, hard
 from scenes.model.motion import channels, quantity
 from tests import scene_files
-from tests.comparisons import SAMPLING, changed, commanded, row_of
+from tests.comparisons import SAMPLING, changed, commanded, row_of, sampled
 
 TURN = Sampling(360)
 
@@ -152,6 +152,7 @@ DOUBLES: dict[str, tuple[str, scene_files.Changes, str]] = {
 }
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", DOUBLES)
 def test_where_doubles_are_the_limit_that_is_the_reason_and_not_the_core(name: str) -> None:
     pytest.importorskip("flint")

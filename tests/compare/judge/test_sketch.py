@@ -16,6 +16,7 @@ from compare.mechanics.reference import Floor, Reference, uncertified
 from compare.run import main
 from scenes import Failure, InputError, Motion, Sampling, Scene, Status
 from tests import scene_files
+from tests.comparisons import sampled
 
 UPSIDE_DOWN = {"sketch.E": [-27, 46], "sketch.G": [-59, 28], "sketch.F": [-43, 92]}  # the foot over the hip
 
@@ -79,6 +80,7 @@ INCHES = {
 MIRRORED = {"sketch.A": [0, -30], "sketch.H": [-20, 140], "sketch.B": [40, 36], "sketch.E": [130, 10]}
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -20,7 +20,7 @@ from compare.mechanics.round_off import explain
 from compare.results.result import read_result
 from scenes import Sampling, Settings, Status
 from tests import scene_files
-from tests.comparisons import changed, commanded
+from tests.comparisons import changed, commanded, sampled
 from tests.foreign import Writer, channels
 
 FREE = 10 / (2 * pi)  # Hz, of the mass on its spring
@@ -81,6 +81,7 @@ CLEAN: dict[str, tuple[str, scene_files.Changes]] = {
 }
 
 
+@sampled(3)
 @pytest.mark.parametrize("name", CLEAN)
 def test_a_right_core_is_believed(name: str) -> None:
     pytest.importorskip("flint")

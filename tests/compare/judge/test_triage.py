@@ -18,7 +18,7 @@ from compare.mechanics.reference import Reference
 from compare.mechanics.round_off import explain
 from scenes import Instants, Motion, Settings, Status
 from scenes.model.motion import Samples, force_channels, quantity
-from tests.comparisons import SAMPLING, References, changed, commanded
+from tests.comparisons import SAMPLING, References, changed, commanded, sampled
 
 Spoil = Callable[[Reference, Motion], dict[str, Samples]]
 ROWS = np.arange(SAMPLING.count)
@@ -111,6 +111,7 @@ OF_OTHERS = {
 }  # not the toggle press
 
 
+@sampled(8)
 @pytest.mark.parametrize("fault", READ_OUT)
 def test_what_is_wrong_in_a_read_out_is_named(references: References, fault: str) -> None:
     spoil, kind, place = READ_OUT[fault]

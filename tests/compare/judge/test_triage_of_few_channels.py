@@ -22,7 +22,7 @@ from scenes import Motion, Sampling, Scene, Settings, Status
 from scenes.fields import put
 from scenes.model.motion import Samples, force_channels, quantity
 from scenes.scene import ConstantSpeed
-from tests.comparisons import References
+from tests.comparisons import References, sampled
 
 SAMPLING = Sampling(20)  # the half turn too, where an angle jumps by a turn
 
@@ -106,6 +106,7 @@ def test_what_a_cause_leaves_over_is_named(reference: Reference) -> None:
     assert words(reference.scene, likeliest(uneven)) == "T.x is off by a constant, 0.1 (all but 4 % of the error)"
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("by", "wrong"), [(1.000025, "0.0025 % too large"), (0.9998, "0.02 % too small"), (1.03, "1.03 times what it")]
 )

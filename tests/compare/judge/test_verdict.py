@@ -15,7 +15,7 @@ from compare.mechanics.reference import Reference
 from compare.study import study
 from scenes import Failure, Motion, Sampling, Settings, Status
 from tests import scene_files
-from tests.comparisons import SAMPLING, Outcome, Plug, Stub, changed, rows_of, size_of
+from tests.comparisons import SAMPLING, Outcome, Plug, Stub, changed, rows_of, sampled, size_of
 
 Measured = Callable[..., Measurement]
 
@@ -55,6 +55,7 @@ def test_a_sample_that_is_wrong_is_named(
     assert "at crank angle 200.0000 deg" in run.reason
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("outcome", "status", "reason"),
     [

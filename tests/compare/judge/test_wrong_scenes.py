@@ -20,7 +20,7 @@ from scenes.model.motion import Samples, channels, force_channels
 from scenes.scene import Force, PressForce
 from tests import scene_files
 from tests.compare.judge.test_triage import spoilt
-from tests.comparisons import SAMPLING, References, commanded
+from tests.comparisons import SAMPLING, References, commanded, sampled
 
 GRAVITY, INERTIA = "gravity is {percent}", "{place}'s moment of inertia is {inertia}"
 WIDTH = "each uniform bar's moment of inertia is that of one {length} wide"
@@ -55,6 +55,7 @@ def times(factor: float, scene: Scene, paths: str) -> Scene:
     return scene.with_numbers(numbers)
 
 
+@sampled(4)
 @pytest.mark.parametrize("fault", INPUTS)
 def test_what_is_wrong_in_a_scene_is_named_with_its_amount(references: References, fault: str) -> None:
     name, paths, factor, kind, place, amount = INPUTS[fault]

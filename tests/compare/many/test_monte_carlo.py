@@ -152,6 +152,7 @@ def test_the_engines_differences_are_in_si() -> None:
     assert "analytic" not in off
 
 
+@SLOW
 def test_of_a_larger_group_too(tmp_path: Path) -> None:
     """Its distance to a singular pose has no exact derivatives: a linear model of differences holds each machine."""
     paths = "bodies.plate.lengths.B-C", "bodies.upper.lengths.C-E", "ground.points.F.0"

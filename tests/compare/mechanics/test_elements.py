@@ -16,7 +16,7 @@ from compare.report.linkage.drawing import Drawing
 from compare.report.linkage.svg import by_itself
 from scenes import Motion, Sampling, Scene
 from tests import scene_files
-from tests.comparisons import changed
+from tests.comparisons import changed, sampled
 from tests.scene_files import Changes
 
 pytest.importorskip("flint")
@@ -59,6 +59,7 @@ def found(scene: Scene, motion: Motion) -> dict[tuple[str, str], float]:
     return {(c.check, c.of): c.worst for c in checks(Mechanics(scene), motion, travels(scene, motion))}
 
 
+@sampled(5)
 @pytest.mark.parametrize(("place", "right", "wrong", "noticed"), WRONG)
 def test_an_element_that_is_another_is_noticed(
     place: str, right: dict[str, Any], wrong: dict[str, Any] | None, noticed: set[tuple[str, str]]

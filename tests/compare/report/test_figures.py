@@ -23,7 +23,7 @@ from compare.study import Study
 from scenes import Motion, load
 from scenes.model.motion import Samples, channels
 from tests import scene_files
-from tests.comparisons import SLOW, Studies, studied
+from tests.comparisons import SLOW, Studies, sampled, studied
 from tests.pages import check_figures
 
 
@@ -171,6 +171,7 @@ def test_assur_groups(studies: Studies) -> None:
     assert assur_groups(replace(result, motion=without)) is None
 
 
+@sampled(3)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=SLOW if name == "slotted_class_iii" else ()) for name in scene_files.MECHANISMS]
 )

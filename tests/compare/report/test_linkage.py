@@ -15,7 +15,7 @@ from compare.report.linkage.svg import FRAMES, by_itself, picture
 from scenes import Motion, Scene
 from scenes.model.motion import quantity
 from tests import scene_files
-from tests.comparisons import References, commanded
+from tests.comparisons import References, commanded, sampled
 
 SVG = "{http://www.w3.org/2000/svg}"
 NUMBER = r"-?\d[\d.]*(?:e-?\d+)?"
@@ -59,6 +59,7 @@ def test_forces_from_nothing_to_very_large_are_drawn_without_a_warning(reference
     assert np.isfinite(drawing.box).all()
 
 
+@sampled(3)
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_every_point_is_in_the_picture_at_every_pose(references: References, name: str) -> None:
     reference = references(name)

@@ -19,7 +19,7 @@ from compare.report.pages.report import page
 from compare.study import Study
 from scenes import Motion, Sampling, load
 from scenes.model.motion import Samples
-from tests.comparisons import studied
+from tests.comparisons import sampled, studied
 from tests.pages import unpacked, without_scripts
 
 LIMIT = 1.1e6  # bytes
@@ -130,6 +130,7 @@ def test_a_figure_is_the_same_each_time(result: Study) -> None:
     assert one == other
 
 
+@sampled(5)
 @pytest.mark.parametrize("row", [0, 1, 123_457, 359_998, 359_999])
 @pytest.mark.parametrize("size", [9.0, -9.0, np.nan])
 def test_one_sample_in_many_is_drawn(row: int, size: float) -> None:

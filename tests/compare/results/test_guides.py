@@ -12,7 +12,7 @@ from compare.results.result import read_result
 from scenes import InputError, Scene, Status
 from scenes.model.motion import Samples
 from tests import scene_files
-from tests.comparisons import References
+from tests.comparisons import References, sampled
 from tests.foreign import Writer, instants
 
 TURN = 0.4  # rad, of another frame
@@ -29,6 +29,7 @@ def _columns(scene: Scene, body: str, turn: float = 0.0) -> dict[str, Samples]:
     return {"time": times} | others | {f"{body}.guide_fx": force.real, f"{body}.guide_fy": force.imag}
 
 
+@sampled(3)
 @pytest.mark.parametrize("name", ["skew_sliders", "rocking_guide", "shaper", "wedge_and_ram", "offset_slider_crank"])
 @pytest.mark.parametrize("turn", [0.0, TURN])
 def test_it_is_the_force_across_the_guide(name: str, turn: float, tmp_path: Path, references: References) -> None:

@@ -20,6 +20,7 @@ from sim_models.exudyn.poses import Equations, PoseSolver
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from sim_models.exudyn.start import start
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .helpers import BOTH_ROUTES, NAMES, by_level, check, locking, referred, run
 
@@ -39,6 +40,7 @@ ROUTES: dict[str, tuple[ExudynSettings, dict[str, float]]] = {
 }
 
 
+@sampled(9)
 @pytest.mark.parametrize("route", ROUTES)
 @pytest.mark.parametrize("name", NAMES)
 def test_mechanism(name: str, route: str) -> None:
@@ -144,6 +146,7 @@ def test_pieces_end_where_the_jerk_jumps() -> None:
     assert len(pieces(ConstantSpeed(2.0, 0.0, None), 100.0)) == 1
 
 
+@sampled(1)
 @pytest.mark.parametrize("start", [165.0, 165.9])
 def test_start_near_a_lock_takes_smaller_steps(start: float) -> None:
     scene = locking(start)

@@ -26,6 +26,7 @@ from sim_models.exudyn.system import exudyn
 from tests import scene_files
 from tests.absolute_coordinates import solve
 from tests.agreement import errors, worst
+from tests.comparisons import sampled
 
 from .helpers import CHEAP, meeting_spring, run
 
@@ -64,6 +65,7 @@ RANGES: dict[str, tuple[Mapping[str, Any], tuple[int, ...], int]] = {
 }
 
 
+@sampled(3)
 @pytest.mark.parametrize("name", ["toggle_press", "quick_return"])
 @pytest.mark.parametrize("family", RANGES)
 def test_order(family: str, name: str) -> None:
@@ -209,6 +211,7 @@ ASKED = {
 }
 
 
+@sampled(2)
 @pytest.mark.parametrize("settings", [EXACT, CHEAP], ids=lambda settings: settings.label)
 @pytest.mark.parametrize("level", ASKED)
 def test_only_what_is_asked_for_is_returned(level: str, settings: ExudynSettings) -> None:

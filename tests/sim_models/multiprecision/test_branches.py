@@ -7,6 +7,7 @@ import scenes
 from scenes import Sampling
 from scenes.model.motion import channels
 from tests import scene_files
+from tests.comparisons import sampled
 
 from ..formulations import ALL as SCENES
 from ..formulations import off
@@ -94,6 +95,7 @@ CONDITION = {"busy": 20, "slotted_class_iii": 3, "walking_leg": 2} | dict.fromke
 )
 
 
+@sampled(4)
 @pytest.mark.parametrize("name", [*SCENES, "busy_bucket", "lift", "elbow"])
 def test_every_channel_is_that_of_redundant_coordinates(name: str) -> None:
     """Poses on the sketch's branch, rates, forces of joints and of the drive, by Newton's and Euler's equations."""

@@ -19,6 +19,7 @@ from scenes.laws import LAWS
 from scenes.scene import ConstantSpeed, HarmonicLaw, MotionLaw, SegmentedLaw
 from scenes.splines import CubicSpline
 from tests import agreement, scene_files
+from tests.comparisons import sampled
 
 pytest.importorskip("flint")
 
@@ -67,6 +68,7 @@ def apart(scene: Scene) -> float:
     return max(float(error.max()) for error in found.values())
 
 
+@sampled(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_unbroken_the_oracle_and_the_core_agree(name: str) -> None:
     assert apart(scene(name)) <= FLOOR
@@ -135,6 +137,7 @@ SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
 )
 
 
+@sampled(8)
 @pytest.mark.parametrize(("name", "of", "attribute", "wrong"), SLIPS)
 def test_a_slip_in_what_models_share_sets_the_oracle_apart(
     monkeypatch: pytest.MonkeyPatch, name: str, of: type, attribute: str, wrong: Wrong

@@ -13,6 +13,7 @@ from sim_models.pymunk.sweeps import enough_sweeps
 from tests import scene_files
 from tests.agreement import errors, worst
 from tests.closed_forms.elements import ON_CARRIED
+from tests.comparisons import sampled
 
 from .runs import Array, off, reference, solve
 
@@ -61,6 +62,7 @@ DRIVES: list[tuple[str, scene_files.Changes]] = [
 ]
 
 
+@sampled(3)
 @pytest.mark.parametrize(("name", "changes"), DRIVES)
 def test_moving_drives_against_the_reference(name: str, changes: scene_files.Changes) -> None:
     scene = scene_files.load(name, changes)

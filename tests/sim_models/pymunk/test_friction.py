@@ -13,6 +13,7 @@ from sim_models.pymunk.settings import PymunkSettings
 from tests import scene_files
 from tests.absolute_friction import JammedError
 from tests.agreement import errors, worst
+from tests.comparisons import sampled
 from tests.friction_scenes import drawer, everywhere
 
 from .runs import Array, reference, solve
@@ -36,6 +37,7 @@ def off(scene: Scene, settings: PymunkSettings) -> float:
 
 
 # Those of the run without friction, up to 1e-3 and 1e-6 of accelerations, which the extrapolation leaves.
+@sampled(5)
 @pytest.mark.parametrize(("settings", "tolerance"), [(DEFAULT, 2e-3), (EXACT, 2e-6)], ids=["default", "exact"])
 @pytest.mark.parametrize("name", ALL)
 def test_every_channel(name: str, settings: PymunkSettings, tolerance: float) -> None:
@@ -48,6 +50,7 @@ def test_viscous_and_smooth(more: dict[str, float]) -> None:
     assert off(scene, EXACT) <= 2e-6
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["rocking_guide", "lift", "servo_press"])
 def test_the_drive_pays_for_friction(name: str) -> None:
     """Its power is more than without friction by just what friction takes, since nothing moves otherwise."""
@@ -79,6 +82,7 @@ def test_drawer(settings: PymunkSettings) -> None:
         assert caught.value.status is Status.jammed
 
 
+@sampled(3)
 @pytest.mark.parametrize("coefficient", [0.3, 1.0, 3.0])
 @pytest.mark.parametrize("name", ["two_rods", "carried_block"])
 def test_jams_where_no_solution_follows(name: str, coefficient: float) -> None:

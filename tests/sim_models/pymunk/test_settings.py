@@ -21,6 +21,7 @@ from sim_models.pymunk.start import start
 from sim_models.pymunk.sweeps import contraction
 from tests import scene_files
 from tests.agreement import errors, worst
+from tests.comparisons import sampled
 
 from .runs import Array, reference, solve
 
@@ -73,6 +74,7 @@ ORDERS: dict[str, tuple[dict[str, Any], dict[str, int], tuple[int, ...], tuple[s
 }
 
 
+@sampled(3)
 @pytest.mark.parametrize(("family", "name"), [(family, name) for family in ORDERS for name in ORDERS[family][1]])
 def test_order(family: str, name: str) -> None:
     options, sweeps, steps, kinds, order, near = ORDERS[family]
@@ -95,6 +97,7 @@ JOINED = {"class_iii", "double_toggle_clamp", "double_toggle_clamp_scheme4", "se
 CLOSED = {"dump_truck", "scissor_lift"}  # by their cylinder all at once: the sweeps take hundreds of times as long
 
 
+@sampled(6)
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_masses_are_chosen_for_few_sweeps(name: str) -> None:
     scene = scenes.load(name)
