@@ -102,7 +102,7 @@ def one_number(argument: str, value: object) -> float:
 def whole_number(argument: str, value: object, *, most: int = MAX_COUNT) -> int:
     """A whole number from 1, or raise InputError."""
     if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= int(value) <= most:
-        refuse(argument, f"a whole number from 1 to {most:,}", value)
+        refuse(argument, f"a whole number from 1 to {most}", value)
     return int(value)
 
 

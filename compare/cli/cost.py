@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from scenes import InputError, Sampling, Scene
 
+from ..mechanics.axis import grouped
+
 # By `python -m benchmarks.sizes` on one core of 3 GHz: the toggle press at up to 360,000 samples, chains of up to 51
 # bodies. A number is one channel at one sample; those of an engine count with their errors, checks and files.
 FIXED = 4.0  # s, of settings that are timed and of the page
@@ -35,8 +37,8 @@ def predicted(scene: Scene, sampling: Sampling, engines: Sequence[str], members:
 def announce(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> None:
     """Write one line to stderr on what a large run will cost, or raise InputError where no memory holds it."""
     (seconds, memory), limit = predicted(scene, sampling, engines, members), _memory()
-    family = f" and {members:,} members" if members else ""
-    what = f"{sampling.count:,} samples of {len(scene.bodies)} bodies by {len(engines)} engines{family}"
+    family = f" and {grouped(members)} members" if members else ""
+    what = f"{grouped(sampling.count)} samples of {len(scene.bodies)} bodies by {len(engines)} engines{family}"
     if memory > limit:
         why = f"expected what fits into the {limit / 1e9:.1f} GB of memory here"
         raise InputError(f"{scene.name}: {why}; {what} need about {memory / 1e9:.1f} GB")

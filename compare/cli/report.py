@@ -26,6 +26,7 @@ from ..judge.measure import Miss
 from ..measure.many.grid import grid
 from ..measure.speed.share import THIRD
 from ..measure.speed.speed_table import NO_CLOCK, Budget
+from ..mechanics.axis import grouped
 from ..report.output import files
 from ..report.output.earlier import Change, Summary, before, last
 from ..report.plain import plain
@@ -219,7 +220,7 @@ def monte_carlo(scene: Scene, request: Sampling, options: Namespace, show: Calla
     try:
         for block in solved(study):
             study.blocks.append(block)
-            show(f"{study.count:,} of {study.asked:,} machines")
+            show(f"{grouped(study.count)} of {grouped(study.asked)} machines")
     except KeyboardInterrupt:
         if not study.blocks:
             raise

@@ -11,7 +11,7 @@ from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
 from scenes.scene import LimitTable
 
-from ..mechanics.axis import axis, cycle_name
+from ..mechanics.axis import axis, cycle_name, grouped
 from ..mechanics.quantities import Units, apart, limited, suited, with_unit
 
 NARROW = 1e-3  # of the drive's range: what is called one place
@@ -133,7 +133,7 @@ def _held(
                 outcome, found = (OPEN, f"{found}, but {seen}") if number else (MISSED, seen)
             else:
                 found += f", and within its promise {seen}" * (number > 0)
-    allowed = with_unit(f"{factor * limit:,.7g}".replace("-", "−"), unit)
+    allowed = with_unit(grouped(f"{factor * limit:.7g}".replace("-", "−")), unit)
     text = f"{row.channel}: at {row.extreme} {allowed} {outcome}: {found}"
     return HeldLimit(limit, row, outcome, text)
 

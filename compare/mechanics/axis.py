@@ -10,6 +10,7 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed
 
+THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"  # at which no line ends
 MIN_PLACES = 2000  # of a cycle that its positions tell apart: a tenth of a degree, of a turn
 
 
@@ -72,12 +73,17 @@ def cycle_name(scene: Scene) -> str:
 
 def fixed(value: float, decimals: int, sign: str = "") -> str:
     """A number to some decimals; `0` where none of them is left."""
-    text = f"{value:{sign},.{decimals}f}".replace("-", "−")
+    text = grouped(f"{value:{sign}.{decimals}f}".replace("-", "−"))
     return text if re.search("[1-9]", text) else "0"
 
 
+def grouped(text: object) -> str:
+    """A number's text with its thousands apart by thin spaces from 10 000 on: `1090.0`, `10 004.2`."""
+    return re.sub(r"(?<![\d.])\d{5,}", lambda whole: f"{int(whole[0]):,}".replace(",", THIN_SPACE), str(text))
+
+
 def prefixed(scale: float, unit: str) -> tuple[float, str]:
-    """The factor from SI to the unit in which a scale reads from 1 to 10,000, and that unit; SI for no scale."""
+    """The factor from SI to the unit in which a scale reads from 1 to 10 000, and that unit; SI for no scale."""
     prefixes = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
     digits = log10(scale or 1.0)
     power = 3 * floor((digits if digits < 0 else max(digits - 1, 0)) / 3)

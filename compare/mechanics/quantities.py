@@ -1,7 +1,7 @@
 """Quantities for a reader: one unit for each kind, the file's, and one rounding, on pages and in the terminal alike.
 
 A kind is named by its SI unit. The unit shown is the file's, or another prefix of it where the largest value would not
-read from 1 to 10,000; one that takes no prefix, as an inch or a pound-force, stays. Work and power are in joules and
+read from 1 to 10 000; one that takes no prefix, as an inch or a pound-force, stays. Work and power are in joules and
 watts, or by the moment's unit where the force's takes no prefix. A number has four significant digits, five after a
 leading 1.
 """
@@ -115,7 +115,7 @@ def with_unit(text: str, name: str) -> str:
 
 
 def number(value: float, digits: int = 0, sign: str = "") -> str:
-    """A number to some significant digits, or to the house's: `382.0`, `10.329`, `10,004`, `6.030e-5`, `−0.3310`."""
+    """A number to some significant digits, or to the house's: `382.0`, `10.329`, `10 004`, `6.030e-5`, `−0.3310`."""
     if not isfinite(value):
         return "–" if value != value else "∞" if value > 0 else "−∞"
     mantissa, exponent = f"{value:.{DIGITS}e}".split("e")

@@ -69,9 +69,9 @@ def test_a_polar_diagram_has_the_run_before_as_it_was(browser: "Browser", both: 
     with silent(browser, both[1] / "report.html", viewport={"width": 1400, "height": 900}) as page:
         page.locator("#polar").scroll_into_view_if_needed()
         page.wait_for_selector("#polar .curve[d]")
-        magnified = re.search(r"engines are ([\d,]+) times as large", page.inner_text("#polar .caption"))
+        magnified = re.search(r"engines are ([\d\u202f]+) times as large", page.inner_text("#polar .caption"))
         assert magnified is not None
-        assert float(magnified[1].replace(",", "")) >= 1000
+        assert float(magnified[1].replace("\u202f", "")) >= 1000
         curves = page.locator("#polar .curve").evaluate_all("all => all.map(p => p.getAttribute('d'))")
         now, then = (max(abs(float(tip.split()[0])) for tip in curves[n][1:].split("L")) for n in (0, -1))
         old, new = (pd.read_csv(folder / "motion.analytic.csv")["O.fx [N]"].abs().max() for folder in both)

@@ -36,7 +36,11 @@ def test_the_cost_is_near_what_was_measured(
     ("turns", "members", "lines"),
     [
         (1, 0, ""),
-        (1000, 0, r"toggle_press: about \d+ min and .* GB expected for 360,001 samples of 5 bodies by 3 engines\n"),
+        (
+            1000,
+            0,
+            r"toggle_press: about \d+ min and .* GB expected for 360\u202f001 samples of 5 bodies by 3 engines\n",
+        ),
         (1, 500, "toggle_press: about .* by 3 engines and 500 members\n"),
     ],
 )
@@ -53,6 +57,6 @@ def test_what_no_memory_holds_is_refused_before_any_work(
     monkeypatch.setattr(prediction, "_memory", lambda: 0.4e9)
     announce(load("toggle_press"), Sampling(360), ENGINES)
     assert main(["toggle_press", "--samples", "36000", "--out", str(tmp_path / "out")]) == 2
-    line = r".*fits into the 0.4 GB of memory here; 36,001 samples .* need about \d.*\n"
+    line = r".*fits into the 0.4 GB of memory here; 36 001 samples .* need about \d.*\n"
     assert re.fullmatch(line, capsys.readouterr().err)
     assert not (tmp_path / "out").exists()

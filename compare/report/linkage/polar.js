@@ -30,7 +30,7 @@ const redraw = () => {
     path.setAttribute("d", known.length ? polyline(known.map(n => end(n, e, isBefore(e) ? 1 : times))) : "");
   });
   const acts = bodies.length ? `Force of ${bodies[0]} on ${bodies[1]}` : name.replace(/^./, letter => letter.toUpperCase());
-  const apart = times > 1 ? ` Differences between the engines are ${times.toLocaleString("en")} times as large.` : "";
+  const apart = times > 1 ? ` Differences between the engines are ${grouped(String(times))} times as large.` : "";
   whole = `${acts}. The outer circle is its peak, ${written(factor * most)} ${unit} at ${position(sizes.indexOf(most))}.${apart}`;
   follow();
 };

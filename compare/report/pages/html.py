@@ -18,6 +18,7 @@ from markupsafe import Markup, escape
 
 from ...engines.kept import environment
 from ...judge.agreement import Word
+from ...mechanics.axis import grouped
 from ...mechanics.quantities import spelled
 from ..figures.figure import CURVE
 from ..numbers import percent, short
@@ -53,6 +54,7 @@ def _templates(package: str) -> Environment:
         bytecode_cache=ByteCode(str(Path(__file__).with_name("__pycache__"))),
     )
     templates.filters |= {"table": shortened, "first": first, "percent": percent, "number": number, "cell": cell}
+    templates.filters["grouped"] = grouped
     templates.filters["packed"] = lambda parts: packed(dumps(parts).encode())
     templates.globals |= {"versions_of": _versions, "library": _library, "marks": MARKS}
     return templates
@@ -98,7 +100,7 @@ def shortened(
     columns = dict.fromkeys(column for row in rows for column in row)
     if len(rows) > ROWS:
         which = f"with the largest {worst}" if worst else "that come first"
-        left_out = f"The {ROWS} rows {which}, of {len(rows):,}; all are in {whole}."
+        left_out = f"The {ROWS} rows {which}, of {grouped(len(rows))}; all are in {whole}."
         size = np.array([row[worst] if worst else 0 for row in rows], float)
         rows = [rows[n] for n in np.argsort(-np.where(np.isnan(size), np.inf, size), kind="stable")[:ROWS]]
     return (
@@ -116,5 +118,5 @@ def _header(column: str) -> str:
 def first(sentences: Iterable[str]) -> list[str]:
     """Sentences for a list; of very many the first."""
     written = [*sentences]
-    more = [f"And {len(written) - ROWS:,} more, in the files beside this page."] if len(written) > ROWS else []
+    more = [f"And {grouped(len(written) - ROWS)} more, in the files beside this page."] if len(written) > ROWS else []
     return written[:ROWS] + more

@@ -37,7 +37,7 @@ addEventListener("pointerover", ({ target }) => {
 });
 
 // Numbers as texts, rounded as in the tables: to four significant digits, five after a leading 1.
-const grouped = text => text.replace(/\d+/, whole => whole.replace(/\B(?=(\d{3})+$)/g, ",")).replace(/^-/, "−");
+const grouped = text => text.replace(/^-?\d{5,}/, whole => whole.replace(/\B(?=(\d{3})+$)/g, "\u202f")).replace(/^-/, "−"); // from 10 000 on
 const fixed = (v, decimals) => {
   const text = grouped(v.toFixed(decimals));
   return /[1-9]/.test(text) ? text : "0";

@@ -12,7 +12,7 @@ from scenes.model.motion import UNITS, Samples, quantity
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
-from ...mechanics.axis import axis, cycle_name
+from ...mechanics.axis import axis, cycle_name, grouped
 from ...mechanics.elements import drive_power, of_element, power_of
 from ...mechanics.friction import contraction, rate, resting
 from ...mechanics.motion_vectors import MotionVectors
@@ -53,7 +53,7 @@ def sentences(study: Study) -> Iterator[str]:
     both = (float(np.abs(values).max()) for values in (cycle[channel], frictionless(scene, cycle)))
     largest, free = (written(value, UNITS[quantity(channel)], named) for value in both)
     what = f"the drive's largest {quantity(channel)} is {largest}, without friction {free}"
-    yield f"At {len(cycle['time']):,} positions {what}."
+    yield f"At {grouped(len(cycle['time']))} positions {what}."
     yield _jam(scene)
     if isinstance(scene.drive.law, ConstantSpeed):
         yield _locking(study)

@@ -10,7 +10,7 @@ from scenes import numbers_in
 from ...engines.registry import REFERENCE
 from ...judge.peaks.numbers import AT_JOINTS
 from ...measure.many.study import MonteCarlo, Spread
-from ...mechanics.axis import cycle_name
+from ...mechanics.axis import cycle_name, grouped
 from ..numbers import Units, capital, percent, units, written
 from . import TableRows
 from .family import names
@@ -127,8 +127,8 @@ def worst(study: MonteCarlo, machine: int) -> TableRows:
 def failures(study: MonteCarlo) -> TableRows:
     """Yield why machines do not run, and how many."""
     for f in study.failures:
-        count = {"machines": f"{f.count:,}", "of all": percent(f.count / study.count)}
-        yield {**count, "status": f.status, "reason, of the first": f.reason, "the first": f"{f.first:,}"}
+        count = {"machines": grouped(f.count), "of all": percent(f.count / study.count)}
+        yield {**count, "status": f.status, "reason, of the first": f.reason, "the first": grouped(f.first)}
 
 
 # --- sentences -------------------------------------------------------------------------------------------------------
@@ -136,8 +136,8 @@ def failures(study: MonteCarlo) -> TableRows:
 
 def ran(study: MonteCarlo) -> str:
     """How many machines were drawn, and how many of them run."""
-    stopped = "" if study.complete else f"Stopped after {study.count:,} of {study.asked:,} machines. "
-    return f"{stopped}{study.running:,} of {study.count:,} machines run, drawn with seed {study.seed}."
+    stopped = "" if study.complete else f"Stopped after {grouped(study.count)} of {grouped(study.asked)} machines. "
+    return f"{stopped}{grouped(study.running)} of {grouped(study.count)} machines run, drawn with seed {study.seed}."
 
 
 def setup(study: MonteCarlo) -> str:
@@ -152,7 +152,8 @@ def verdicts(study: MonteCarlo) -> Iterator[str]:
     """Yield the yield, how well the linear model predicts the spread, and how engines' differences compare with it."""
     if study.scene.limits:
         count, low, high = study.met
-        share = f"{100 * count / study.count:.4g} % of the machines ({count:,} of {study.count:,}) meet all limits"
+        machines = f"machines ({grouped(count)} of {grouped(study.count)})"
+        share = f"{100 * count / study.count:.4g} % of the {machines} meet all limits"
         share += f" over the first {cycle_name(study.scene)}" if study.judged.sampling.turns > 1 else ""
         yield f"Yield: {share}; with 95 % confidence {100 * low:.4g} to {100 * high:.4g} %."
     shown = moving(study)

@@ -1,4 +1,4 @@
-"""One unit for each kind of quantity, in which its peak reads between 1 and 10,000."""
+"""One unit for each kind of quantity, in which its peak reads between 1 and 10 000."""
 
 import re
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compare.judge.peaks.peaks import peaks
-from compare.mechanics.axis import axis, fixed
+from compare.mechanics.axis import THIN_SPACE, axis, fixed
 from compare.mechanics.quantities import apart, named
 from compare.mechanics.quantities import number as shown_number
 from compare.mechanics.reference import uncertified
@@ -25,7 +25,7 @@ from tests.scene_files import Changes
 LIGHT = {f"bodies.{body}.mass": 1e-9 for body in ("crank", "coupler", "rocker")}
 LARGE = {"units": {"length": "m", "mass": "kg", "force": "N", "angle": "deg", "speed": "rpm"}}
 FAST = {"drive.speed": -6000}
-FASTER_THAN_SCALED = {"drive.speed": -200}  # its errors are scaled by T w = 9,850 mm/s, and it is faster than 10,000
+FASTER_THAN_SCALED = {"drive.speed": -200}  # its errors are scaled by T w = 9850 mm/s, and it is faster than 10 000
 NEXT_TO_NOTHING = LIGHT | {"drive.speed": -0.006}  # of which the power is less than a nanowatt
 SCENES: dict[str, tuple[str, Changes]] = {
     "a press": ("toggle_press", {}),
@@ -102,7 +102,8 @@ def test_a_number_has_one_rounding() -> None:
     """Four digits, five after a leading 1; a bound that reads as its extreme is not rounded away from it."""
     cases = {
         382.012: "382.0",
-        10004.23: "10,004",
+        10004.23: f"10{THIN_SPACE}004",
+        -1090.0004: "−1090.0",
         1.16284: "1.1628",
         2e-5: "2.000e-5",
         -0.331: "−0.3310",
@@ -111,7 +112,11 @@ def test_a_number_has_one_rounding() -> None:
     }
     assert {value: shown_number(value) for value in cases} == cases
     assert (fixed(-1e-14, 3), fixed(-0.0004, 3), fixed(-0.0006, 3)) == ("0", "0", "−0.001")
-    assert (apart(10004.23, 10004), apart(75.0, 60.0), apart(4.0001, 4.0)) == ("10,004.2", "75.00", "4.0001")
+    assert (apart(10004.23, 10004), apart(75.0, 60.0), apart(4.0001, 4.0)) == (
+        f"10{THIN_SPACE}004.2",
+        "75.00",
+        "4.0001",
+    )
     assert (percent(8e-8), percent(2e-5), percent(0.0), percent(0.5)) == ("8e-8", "0.002 %", "0 %", "50 %")
 
 
