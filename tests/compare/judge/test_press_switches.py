@@ -21,9 +21,9 @@ LASTS = [0.05 + 1.5 * n / MANY for n in range(MANY)]  # m, of a stroke of 2 m
 
 def presses(count: int) -> scene_files.Changes:
     """So many of the press forces, on a rod that pymunk turns, as it does none without mass."""
-    every = enumerate(LASTS[:: MANY // count])
-    loads = [{"body": "slider", "at": "B", "force": [-1 if n % 2 else 1, 0], "last": x} for n, x in every]
-    return {"loads": loads, "bodies.rod.mass": 1e-14}
+    each, size = enumerate(LASTS[:: MANY // count]), MANY // count  # N: fewer are larger
+    loads = [{"body": "slider", "at": "B", "force": [-size if n % 2 else size, 0], "last": x} for n, x in each]
+    return {"loads": loads, "bodies.rod.mass": 1e-12}
 
 
 @pytest.mark.parametrize("count", [20, pytest.param(MANY, marks=SLOW)])
@@ -39,7 +39,7 @@ def test_many_press_forces_are_those_of_the_power(engine: str, count: int) -> No
     motion = simulation.read()
     x, v, a = (motion[f"B.{rate}x"] for rate in ("", "v", "a"))
     against = [(x - 2 <= last) & (v < 0) if n % 2 == 0 else (4 - x <= last) & (v > 0) for n, last in enumerate(lasts)]
-    forces = sum(np.where(acts, -1.0 if n % 2 else 1.0, 0.0) for n, acts in enumerate(against))
+    forces = MANY // count * sum(np.where(acts, -1.0 if n % 2 else 1.0, 0.0) for n, acts in enumerate(against))
     between = np.abs(v) > 0.1  # not at a dead point, where all forces have their switch
     off = (motion["drive.torque"] * 10 - 2 * a * v + forces * v)[between]
     assert between.sum() == 10
