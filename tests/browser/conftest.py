@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+PATIENCE = 600e3  # ms, for what a page does: what is waited for comes, on a busy machine late
 
 
 @pytest.fixture(scope="session")
@@ -38,6 +39,7 @@ def browser() -> Iterator["Browser"]:
         pytest.skip("no chromium is installed")
     with driver.sync_playwright() as started:
         found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        found.on("context", lambda context: context.set_default_timeout(PATIENCE))
         yield found
         found.close()
 

@@ -224,47 +224,6 @@ def test_a_linkage_with_a_larger_group_is_shown_and_not_edited(browser: "Browser
         assert not page.locator("#bench").count()
 
 
-def test_an_edit_takes_less_than_a_frame(browser: "Browser", bench: "Page") -> None:
-    """Of processor time, since others use the machine too: 360 positions, and all that follows a typed number."""
-    bench.evaluate(
-        """async () => {
-          const packed = Uint8Array.from(atob(document.getElementById("design").textContent), c => c.charCodeAt(0));
-          const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-          const data = JSON.parse(await new Response(unpacked).text()), line = Function(`return ${data.line}`)();
-          const rows = [...data.channels, ""].map(() => new Float64Array(360));
-          const given = Object.values(data.given).map(() => Float64Array.from({ length: 360 }, (_, n) => n / 57));
-          const numbers = data.numbers.map(({ value }) => value), box = document.querySelector("#bench [type=number]");
-          window.solve = times => { while (times--) line(numbers, given, rows, 360); };
-          window.edit = times => {
-            while (times--) {
-              box.value = +box.value + 0.01;
-              box.dispatchEvent(new Event("input", { bubbles: true }));
-            }
-          };
-        }"""
-    )
-    processes = browser.new_browser_cdp_session()
-
-    def taken(run: str, times: int) -> float:
-        """The processor time of one of so many runs, ms: the best of some, since others share the core's units."""
-
-        def used() -> float:
-            known = processes.send("SystemInfo.getProcessInfo")["processInfo"]
-            return sum(float(process["cpuTime"]) for process in known if process["type"] == "renderer")
-
-        best = np.inf
-        for _ in range(8):
-            before = used()
-            bench.evaluate(f"{run}({times})")
-            best = min(best, used() - before)
-        return 1e3 * best / times
-
-    solved, edited = taken("solve", 400), taken("edit", 10)
-    bench.locator(".undo").click()
-    assert solved < 0.3
-    assert edited < 16
-
-
 def test_the_machines_are_those_of_the_command_line(undone: "Page", press_study: Study) -> None:
     """The range of a peak of 500 machines is that of the machines that `--monte-carlo 500` draws."""
     undone.locator("#bench [name=machines]").check()

@@ -3,7 +3,6 @@
 import re
 from io import BytesIO
 from pathlib import Path
-from statistics import median
 from typing import TYPE_CHECKING, Any
 from unicodedata import normalize
 
@@ -23,16 +22,7 @@ pytestmark = pytest.mark.browser
 
 WIDTHS = (390, 1400, 1920)  # px
 LEGIBLE = 4.5  # contrast, by WCAG 2.1 AA
-SLOWER = 2.2  # times the first contentful paint of an empty page; 1.8 measured, 2.9 where all is laid out first
-LONGER, THROTTLE = (
-    3.0,
-    4,
-)  # a figure's longest task over that of the page itself: 1.7 measured, 77 by plotly's script
-LOADS, ROUNDS = 5, 6  # the median of some loads; again, since other programs run
 
-TASKS = """window.tasks = [];
-const noted = list => list.getEntries().forEach(({ startTime, duration }) => tasks.push([startTime, duration]));
-new PerformanceObserver(noted).observe({ type: 'longtask', buffered: true });"""
 CONTRASTS = """() => {
   const context = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
   const rgba = colour => {
@@ -161,48 +151,3 @@ def test_nothing_is_hidden_again_after_printing(report: "Page") -> None:
     for media in ("print", "screen"):
         report.emulate_media(media=media)
         assert report.evaluate("document.querySelector('.desk').getAnimations().length") == 0, media
-
-
-@pytest.mark.slow
-def test_first_paint_takes_about_two_empty_pages(browser: "Browser", press_report: Path, tmp_path: Path) -> None:
-    empty = tmp_path / "empty.html"
-    empty.write_text("<!doctype html><title>empty</title><p>empty")
-    ratios: list[float] = []
-    while len(ratios) < ROUNDS and not (ratios and ratios[-1] <= SLOWER):
-        paths = empty, press_report / "report.html"
-        first, own = (median(first_paint(browser, path) for _ in range(LOADS)) for path in paths)
-        ratios.append(own / first)
-    assert ratios[-1] <= SLOWER, f"{ratios} times that of an empty page"
-
-
-@pytest.mark.slow
-def test_drawing_figures_holds_up_the_page_no_longer_than_its_text(browser: "Browser", press_report: Path) -> None:
-    """On a slow processor, by the longest task after the page has loaded, in which the first figures are drawn."""
-    ratios: list[float] = []
-    while len(ratios) < ROUNDS and not (ratios and ratios[-1] <= LONGER):
-        page = browser.new_page(viewport={"width": 1400, "height": 900}, reduced_motion="reduce")
-        rate = {"rate": THROTTLE}
-        page.context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", rate)
-        page.add_init_script(TASKS)
-        page.goto((press_report / "report.html").as_uri())
-        page.evaluate("document.querySelector('.plot').scrollIntoView()")
-        page.wait_for_selector(".plot .uplot")
-        page.wait_for_timeout(1000)
-        loaded = page.evaluate("performance.getEntriesByType('navigation')[0].loadEventEnd")
-        before, after = (
-            max((time for start, time in page.evaluate("tasks") if (start >= loaded) == late), default=50.0)
-            for late in (False, True)
-        )
-        ratios.append(after / before)
-        page.close()
-    assert ratios[-1] <= LONGER, f"{ratios} times the longest task before"
-
-
-def first_paint(browser: "Browser", path: Path) -> float:
-    """The time to the first contentful paint, ms."""
-    page = browser.new_page()
-    page.goto(path.as_uri(), wait_until="commit")
-    page.wait_for_function("performance.getEntriesByName('first-contentful-paint').length")
-    time = float(page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime"))
-    page.close()
-    return time

@@ -1,21 +1,19 @@
 """Equations solved block by block: the dense solution, and a work that grows with the number of groups alone."""
 
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import numpy as np
 import pytest
 
 import scenes
-from scenes import Sampling, Scene
+from scenes import Scene
 from scenes.model.constraints import groups
 from tests import scene_files
 from tests.chain import chain
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import engine as model  # noqa: E402  (their engine is there)
 from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402
 from sim_models.multiprecision.rows import AT_ONCE, solved  # noqa: E402
 
@@ -66,16 +64,3 @@ def test_a_linkage_of_dyads_is_solved_dyad_by_dyad(tmp_path: Path) -> None:
 
 def test_bodies_that_need_each_other_are_one_group() -> None:
     assert max(group_sizes(scene_files.load("class_iii"))) == 12  # a triangle on three links
-
-
-@pytest.mark.slow
-def test_the_cost_does_not_grow_with_the_cube_of_the_linkage(tmp_path: Path) -> None:
-    """From 7 bodies to 19 it is two or three times as much, and more than five with all equations in one group."""
-
-    def seconds(dyads: int) -> float:
-        simulation = model.build(scenes.load(chain(dyads, tmp_path)), model.DEFAULT, Sampling(36))
-        began = process_time()
-        simulation.solve()
-        return process_time() - began
-
-    assert min(seconds(9) for _ in range(3)) <= 4 * min(seconds(3) for _ in range(3))
