@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from scenes import Failure, InputError, Motion, Request, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.drive import Driven
+from scenes.model.inputs import Inputs, passing
 from scenes.model.lookup import Later
 from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
@@ -42,15 +43,24 @@ STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities
 
 
 def solve(
-    scene: Scene, position: ArrayLike, time: ArrayLike | None = None, channels: AbstractSet[str] | None = None
+    scene: Scene,
+    position: ArrayLike | None = None,
+    time: ArrayLike | None = None,
+    channels: AbstractSet[str] | None = None,
+    *,
+    inputs: Inputs | None = None,
 ) -> Motion:
-    """Solve a scene at the given positions of the drive, each on its own: in closed form, but for groups without dyads.
+    """Solve a scene at some inputs of its drives, each on its own: in closed form, but for groups without dyads.
+
+    Expected are positions, instants, both, or inputs.
 
     Args:
         scene: the mechanism.
-        position: the crank angle, rad, or the driven slider's displacement, m; shape (n,), in any order.
+        position: the crank angle, rad, or the driven slider's displacement, m; shape (n,), in any order. Where there is
+            none, the drive is where it is at the instants.
         time: the instants, s, shape (n,), from which the motion law has the rate and acceleration of the drive. At a
             constant speed the positions are enough, and the instants follow from them where none are given.
+        inputs: the instants and the drives' positions, rates and accelerations, whatever the laws of the scene.
         channels: names of the channels to solve for, besides the time and the drive's position; None for all.
 
     Returns:
@@ -62,8 +72,14 @@ def solve(
             two assemblies meet between the positions and the sketch, which then leaves open the one that is meant.
         InputError: no scene, no such channel, or positions or instants that are no finite numbers.
         InputError: the drive follows a law, and no instants are given; or positions or instants are of another shape.
+        InputError: none of positions, instants and inputs is given, or inputs beside the others.
     """
-    return solver(scene, channels)(position, time)
+    core = solver(scene, channels)
+    if (inputs is None) == (position is None and time is None):
+        raise InputError("solve: expected either inputs, or position, time or both")
+    if inputs is not None:
+        return core.at(inputs)
+    return core(position if position is not None else scene.drive.law.at(finite_numbers("time", time)).position, time)
 
 
 def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
@@ -106,11 +122,20 @@ class Solver:
         """
         single = self.at_hand is None and isinstance(position, np.ndarray) and position.dtype == np.float32
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
-        time, driven = driven_at(self.scene, position, time)
+        return self._at(passing(self.scene, position, time), single=single)
+
+    def at(self, inputs: Inputs) -> Motion:
+        """Solve at inputs, with what `solve` returns and raises."""
+        return self._at(inputs.checked(self.scene))
+
+    def _at(self, inputs: Inputs, *, single: bool = False) -> Motion:
+        time, driven = inputs.time, inputs.driven()
+        position = driven.position
         self.check_hull(position)
         self._solved[0] += len(position)
         line_pays = self.at_hand is not None or (len(position) >= LONG and self._solved[0] >= RECORDED_FROM)
-        samples = self._by_line(driven, time) if line_pays and not single and self.motion_at is None else None
+        by_line = line_pays and not single and self.motion_at is None and self._is_recorded(driven)
+        samples = self._by_line(driven, time) if by_line else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
             samples = self._by_formulas(driven, time)
         samples |= {"time": time, self.scene.drive_channel: position}
@@ -120,6 +145,11 @@ class Solver:
         at = partial(self.motion_at or partial(kinematics, rates=False), self.scene, self.linkage)
         every = samples | {channel: partial(_taken, take, at, driven) for channel, take in self.later.items()}
         return Motion(Later({channel: every[channel] for channel in wanted}))
+
+    def _is_recorded(self, driven: Driven) -> bool:
+        """Whether the recorded line, in which a constant speed is the scene's own, is of such rates."""
+        law = self.scene.drive.law
+        return not isinstance(law, ConstantSpeed) or (driven.rate.ndim == 0 and driven.rate == law.speed)
 
     def _by_line(self, driven: Driven, time: Samples) -> dict[str, Samples] | None:
         """The channels by the recorded line; None where it does not reach, or not all can be had from it."""
@@ -227,21 +257,6 @@ def _taken(take: FromBoth, motion_at: Callable[[Driven], Kinematics], driven: Dr
 def _rows(driven: Driven, rows: Any) -> Driven:
     """What the drive asks for at some of the positions."""
     return Driven(*(x[rows] if x.ndim else x for x in driven))
-
-
-def driven_at(scene: Scene, position: Samples, time: ArrayLike | None, most: int = 1) -> tuple[Samples, Driven]:
-    """Return the instants, s, and what the drive asks for at them and its positions, of `most` axes, or InputError."""
-    if time is not None:
-        time = finite_numbers("time", time)
-    shapes = [given.shape for given in (position, time) if given is not None]
-    if any(not 0 < len(shape) <= most for shape in shapes) or len({shape[-1] for shape in shapes}) > 1:
-        raise InputError(f"position, time: expected the shape (n,) of both, found {' and '.join(map(str, shapes))}")
-    if isinstance(scene.drive.law, ConstantSpeed):
-        instants = (position - scene.drive.law.start) / scene.drive.law.speed if time is None else time
-        return instants, Driven(position, np.array(scene.drive.law.speed), np.array(0.0))
-    if time is None:
-        raise InputError("a drive that follows a law needs the instants")
-    return time, scene.drive.law.at(time)._replace(position=position)
 
 
 @np.errstate(invalid="ignore", divide="ignore", over="ignore")  # what hangs on a group that does not reach is NaN

@@ -18,6 +18,7 @@
 | promise | the largest relative error at which an engine's run may end `ok` |
 | silent | of a run whose broken promise the reference alone shows, and no check without one |
 | work-precision | time against error, over an engine's settings from cheap to accurate |
+| inputs | what a model is solved at: instants, and the drives' positions, rates and accelerations there |
 | request | the instants, or positions of the drive, and the channels that a model is asked for |
 | channel, sample | one column of a motion, as `P5.y`, and one row, at one instant; a step is an engine's own |
 | ladder, rung | a hard case: a scene with one number that gets harder from rung to rung |
@@ -26,9 +27,10 @@
 from .errors import InputError
 from .file.reader import from_tables, load, numbers_in, shipped, with_changes, write_starter
 from .model.engine import Engine, Failure, ProcessorBudget, Settings, Simulation, Status
+from .model.inputs import Inputs
 from .model.motion import Instants, Motion, Positions, Request, Rows, Sampling
 from .scene import Scene
 
-__all__ = ["Engine", "Failure", "InputError", "Instants", "Motion", "Positions", "ProcessorBudget", "Request", "Rows"]
-__all__ += ["Sampling", "Scene", "Settings", "Simulation", "Status"]
+__all__ = ["Engine", "Failure", "InputError", "Inputs", "Instants", "Motion", "Positions", "ProcessorBudget"]
+__all__ += ["Request", "Rows", "Sampling", "Scene", "Settings", "Simulation", "Status"]
 __all__ += ["from_tables", "load", "numbers_in", "shipped", "with_changes", "write_starter"]

@@ -68,6 +68,11 @@ class ConstantSpeed:
         time, still = np.asarray(time, np.float64), np.zeros(np.shape(time))
         return Driven(self.start + self.speed * time, np.asarray(self.speed) + still, still)
 
+    def higher(self, time: ArrayLike) -> tuple[Samples, Samples]:
+        """The third and the fourth derivative of the position by the time, at instants of any shape, s."""
+        still = np.zeros(np.shape(time))
+        return still, still
+
 
 @dataclass(frozen=True)
 class MotionLaw(Law):
@@ -111,6 +116,11 @@ class MotionLaw(Law):
         time = np.asarray(time, np.float64)
         spline, trend = self._spline, self._trend
         return Driven(spline(time) + trend * time, spline(time, 1) + trend, spline(time, 2))
+
+    def higher(self, time: ArrayLike) -> tuple[Samples, Samples]:
+        """The third derivative, which jumps at the rows, and the fourth, which is zero between them."""
+        third = self._spline(np.asarray(time, np.float64), 3)
+        return third, np.zeros_like(third)
 
     @property
     def pieces(self) -> Sequence[Piece]:

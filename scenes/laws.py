@@ -1,12 +1,12 @@
 """Motion laws by formula: segments of named laws, from rest to rest, and sums of harmonics."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate, pairwise
 from math import cos, gcd, inf, lcm, pi, sin
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,6 +45,18 @@ class Piece(NamedTuple):
             position, rate, acceleration = position + y, rate + dy, acceleration - omega * omega * y
         return Driven(position, rate, acceleration)
 
+    def higher(self, time: ArrayLike) -> tuple[Samples, Samples]:
+        """The third and the fourth derivative of the position by the time, likewise."""
+        t = np.subtract(time, self.begin + self.lag)
+        third = fourth = 0.0 * t
+        for k in reversed(range(3, len(self.polynomial))):  # of a polynomial whose coefficients are those of the third
+            c = k * (k - 1) * (k - 2) * self.polynomial[k]
+            third, fourth = third * t + c, fourth * t + third
+        for size, omega, phase in self.sines:
+            cubed, angle = omega * omega * omega * size, omega * t + phase
+            third, fourth = third - cubed * np.cos(angle), fourth + omega * cubed * np.sin(angle)
+        return third, fourth
+
     def moved(self, begin: float, start: float, within: float = 1.0, rise: float = 1.0) -> "Piece":
         """The same from another instant and place on, and in other units of time, s, and way, rad or m."""
         polynomial = [rise * c / within**k + start * (k == 0) for k, c in enumerate(self.polynomial)]
@@ -82,15 +94,28 @@ LAWS: Mapping[str, Sequence[Piece]] = {
 DWELL = [Piece(0.0, (0.0,), within=inf)]
 
 
-class Law(Protocol):
+class Timed(Protocol):
+    """What is a function of the time, with its derivatives."""
+
+    def at(self, time: ArrayLike) -> Driven:
+        """What the drive asks for at instants of any shape, s, before zero and after the end too."""
+
+    def higher(self, time: ArrayLike) -> tuple[Samples, Samples]:
+        """The third and the fourth derivative of the position by the time, at instants of any shape, s."""
+
+
+def derivatives(law: Timed, time: ArrayLike, order: int) -> Samples:
+    """A law's position and its derivatives by the time up to an order, four at most, shape (order + 1, ...)."""
+    every = [*law.at(time), *(law.higher(time) if order > 2 else ())]
+    return np.array(every[: order + 1])
+
+
+class Law(Timed, Protocol):
     """What all motion laws have by the instants of a cycle at which they stand still, or are fastest."""
 
     @property
     def cycle(self) -> float:
         """How long one cycle takes, s."""
-
-    def at(self, time: ArrayLike) -> Driven:
-        """What the drive asks for at instants of any shape, s, before zero and after the end too."""
 
     def still(self, order: int) -> ArrayLike:
         """Instants of a cycle, s, among them its ends and all where the first or the second derivative is zero."""
@@ -155,21 +180,44 @@ class SegmentedLaw(Law):
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""
-        time, ends, positions = (np.asarray(x, np.float64) for x in (time, self.boundaries, self.positions))
-        hair, gain = SAME_INSTANT * self.cycle, positions[-1] - positions[0]
+        own, time, last, periods, rests = self._placed(time)
+        position, rate, acceleration = self._of_pieces(Piece.at, own, time, 3)
+        positions = np.asarray(self.positions)
+        position = np.where(rests, positions[last], position) + periods * (positions[-1] - positions[0])
+        return Driven(position, np.where(rests, 0.0, rate), acceleration)
+
+    def higher(self, time: ArrayLike) -> tuple[Samples, Samples]:
+        """The third and the fourth derivative of the position by the time, at instants of any shape, s."""
+        own, time, *_ = self._placed(time)
+        third, fourth = self._of_pieces(Piece.higher, own, time, 2)
+        return third, fourth
+
+    def _placed(self, time: ArrayLike) -> tuple[Any, ...]:
+        """By instant the number of its piece and the time in its cycle; the last boundary, how many cycles were before.
+
+        And whether it is on that boundary. The first piece, and the one behind the last, are at rest.
+        """
+        time, ends = np.asarray(time, np.float64), np.asarray(self.boundaries)
+        hair = SAME_INSTANT * self.cycle
         periods = np.floor((time + hair) / self.cycle) if self.periodic else np.zeros(time.shape)
         time = time - periods * self.cycle
         last = np.maximum(np.searchsorted(ends, time + hair, side="right") - 1, 0)
         rests = np.abs(time - ends[last]) <= hair
         time = np.where(rests, ends[last], time)
-        pieces = Piece(0.0, positions[:1]), *self.pieces, Piece(0.0, positions[-1:])
         begins = [*(piece.begin for piece in self.pieces), self.cycle + hair]
-        own, driven = np.searchsorted(begins, time, side="right"), np.empty((3, *time.shape))
+        return np.searchsorted(begins, time, side="right"), time, last, periods, rests
+
+    def _of_pieces(
+        self, take: Callable[[Piece, Samples], Sequence[Samples]], own: Any, time: Any, count: int
+    ) -> Samples:
+        """What is taken from each instant's own piece, shape (count, ...)."""
+        pieces, found = (self._rest(0), *self.pieces, self._rest(-1)), np.empty((count, *time.shape))
         for number in np.unique(own):
-            driven[:, own == number] = pieces[number].at(time[own == number])
-        position, rate, acceleration = driven
-        position = np.where(rests, positions[last], position) + periods * gain
-        return Driven(position, np.where(rests, 0.0, rate), acceleration)
+            found[:, own == number] = take(pieces[number], time[own == number])
+        return found
+
+    def _rest(self, end: int) -> Piece:
+        return Piece(0.0, (self.positions[end],))
 
 
 @dataclass(frozen=True)
@@ -216,3 +264,7 @@ class HarmonicLaw(Law):
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s."""
         return self.pieces[0].at(time)
+
+    def higher(self, time: ArrayLike) -> tuple[Samples, Samples]:
+        """The third and the fourth derivative of the position by the time, at instants of any shape, s."""
+        return self.pieces[0].higher(time)

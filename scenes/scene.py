@@ -195,15 +195,15 @@ class Scene:
         kinds = {one.kind for one in (*(element for _, element in self.elements), *self.friction)}
         return frozenset(kinds | {drive.kind for drive in self.drives if drive.kind})
 
-    @property
+    @cached_property
     def drive(self) -> Drive:
         """The only drive, for what is a function of its position: tracks, ranges, dead points, assemblies."""
         (drive,) = self.drives
         return drive
 
     def with_law(self, law: DriveLaw) -> "Scene":
-        """The scene with another law of its only drive."""
-        return replace(self, drives=(replace(self.drive, law=law),))
+        """The scene with another law of its only drive, and without tables, which would have that one."""
+        return replace(self, drives=(replace(self.drive, law=law),), tables={})
 
     @property
     def cycle(self) -> float:

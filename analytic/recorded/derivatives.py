@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 from scenes import Scene
 from scenes.arguments import finite_numbers, names
 from scenes.file.changes import at_path
+from scenes.model.inputs import passing
 from scenes.model.motion import Samples
 
-from ..solve import driven_at, solver
+from ..solve import solver
 from .arithmetics.in_numpy import StraightLine
 from .expressions import Expression, forward
 from .program import inputs_at, recorded
@@ -67,7 +68,8 @@ def derivative_solver(
 
     def at(position: ArrayLike, time: ArrayLike | None = None) -> Mapping[str, Samples]:
         position = finite_numbers("position", position)
-        instants, driven = driven_at(scene, position, time)
+        inputs = passing(scene, position, time)
+        instants, driven = inputs.time, inputs.driven()
         solve.check_hull(position)
         given = {**solve.given_at(driven.position, instants), **inputs_at(driven, [solve.linkage.tracks])}
         found = line({**values, **given, "time follows": float(time is None)})[:, 0]

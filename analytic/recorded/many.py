@@ -12,12 +12,13 @@ from scenes import Failure, InputError, Motion, Scene, Status
 from scenes.arguments import finite_numbers, names
 from scenes.drive import Driven, Samples
 from scenes.file.changes import numbers_of, refused
+from scenes.model.inputs import passing
 from scenes.model.lookup import Later
 
 from ..core.decomposition import decompose
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, equations_of
-from ..solve import Solver, driven_at, not_reached, prepared, solver, where_open
+from ..solve import Solver, not_reached, prepared, solver, where_open
 from ..way.motion_range import in_line, motion_at
 from ..way.slider import furthest
 from ..way.windings import Winding
@@ -176,7 +177,8 @@ class ManySolver:
         numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
         shape = (rows.stop - rows.start, position.shape[-1])
         drive = {path: values for path, values in numbers.items() if path in ("drive.speed", "drive.start")}
-        instants, driven = driven_at(self.scene.with_numbers(drive), position, time, most=2)
+        inputs = passing(self.scene.with_numbers(drive), position, time, axes=2)
+        instants, driven = inputs.time, inputs.driven()
         if self.tracks is None:
             filled = np.full((len(self.program.rows), *shape), np.nan)
         else:

@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from scenes import Scene
 from scenes.arguments import finite_numbers
+from scenes.model.inputs import passing
 
 from ..core.groups.group_equations import Group
-from ..solve import driven_at, solver
+from ..solve import solver
 from .arithmetics.loops import Language, Loop
 from .expressions import SIGNS, Expression
 from .program import BALANCE, recorded
@@ -56,7 +57,8 @@ def page_program(
         InputError: as of `solver`.
     """
     core = solver(scene, channels)
-    instants, driven = driven_at(scene, finite_numbers("position", position), time)
+    inputs = passing(scene, finite_numbers("position", position), time)
+    instants, driven = inputs.time, inputs.driven()
     if any(isinstance(group, Group) for group in core.linkage.groups):
         return None
     program = recorded(scene, scene.numbers.keys() - FIXED, core.request.channels)

@@ -1,12 +1,14 @@
 """Motion laws by formula: their peaks, how they begin, end and join, sums of sines, and by integrals all of them."""
 
+from collections.abc import Callable
 from fractions import Fraction
 from math import pi, sqrt
 
 import numpy as np
 import pytest
 
-from scenes.laws import LAWS, HarmonicLaw, SegmentedLaw
+from scenes.drive import ConstantSpeed, DriveLaw, MotionLaw, Samples
+from scenes.laws import LAWS, HarmonicLaw, SegmentedLaw, derivatives
 
 # Of rate and acceleration, a unit of way in a unit of time; and the order of the first derivative that jumps at rest.
 PEAKS = {
@@ -125,3 +127,65 @@ def test_frequencies_in_digits_as_written() -> None:
     law = HarmonicLaw(0.0, (1.0, 1.0, 1.0), (0.1, 0.3, 0.7), (0.0, 0.0, 0.0))
     assert (law.multiples, law.cycle) == ((1, 3, 7), 10.0)
     assert Fraction(0.3) / Fraction(0.1) != 3
+
+
+# The third and the fourth derivative by x of a unit of way in a unit of time: of the formulas as printed (Norton).
+HIGHER: dict[str, tuple[Callable[[Samples], Samples], Callable[[Samples], Samples]]] = {
+    "harmonic": (lambda x: -(pi**3) / 2 * np.sin(pi * x), lambda x: -(pi**4) / 2 * np.cos(pi * x)),
+    "cycloidal": (lambda x: 4 * pi**2 * np.cos(2 * pi * x), lambda x: -8 * pi**3 * np.sin(2 * pi * x)),
+    "polynomial_345": (lambda x: 60 - 360 * x + 360 * x**2, lambda x: -360 + 720 * x),
+    "polynomial_4567": (
+        lambda x: 840 * x - 5040 * x**2 + 8400 * x**3 - 4200 * x**4,
+        lambda x: 840 - 10080 * x + 25200 * x**2 - 16800 * x**3,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HIGHER)
+def test_third_and_fourth_derivatives_are_those_of_the_printed_formulas(name: str) -> None:
+    x = np.linspace(0.003, 0.997, 41)
+    found = derivatives(SegmentedLaw(1.0, (-3.0,), (0.5,), (name,), periodic=False), 0.5 * x, 4)
+    for order, formula in zip((3, 4), HIGHER[name], strict=True):
+        expected = -4 * formula(x) / 0.5**order
+        assert np.abs(found[order] - expected).max() <= ROUNDED * 100 * np.abs(expected).max()  # of terms that cancel
+
+
+def by_differences(law: DriveLaw, time: Samples, step: float) -> tuple[Samples, Samples]:
+    """The derivatives of the acceleration, by five points: to the fourth power of the step."""
+    far, near, at, *beyond = (law.at(time + k * step).acceleration for k in (-2, -1, 0, 1, 2))
+    first = (far - 8 * near + 8 * beyond[0] - beyond[1]) / (12 * step)
+    return first, (-far + 16 * near - 30 * at + 16 * beyond[0] - beyond[1]) / (12 * step**2)
+
+
+LAWS_OF_ANY_KIND: dict[str, DriveLaw] = {
+    **{name: segments(name, periodic=True, gain=1.0) for name in LAWS},
+    "sines": HarmonicLaw(1.0, (2.0, -0.3), (1.0, 2.5), (0.3, -1.0)),
+    "a spline": MotionLaw((0.0, 0.2, 0.3, 0.7, 0.9), (0.0, 1.0, 0.4, 0.3, 0.0), periodic=True),
+    "a table once": MotionLaw((0.0, 0.2, 0.3, 0.7, 0.9), (0.0, 1.0, 0.4, 0.3, 2.0), periodic=False),
+    "a speed": ConstantSpeed(3.0, 0.5, None),
+}
+
+
+@pytest.mark.parametrize("name", LAWS_OF_ANY_KIND)
+def test_third_and_fourth_derivatives_are_those_of_the_acceleration(name: str) -> None:
+    """In the third period too, off the instants where a piece ends; and the lower orders are the law's own."""
+    law, step = LAWS_OF_ANY_KIND[name], 1e-3
+    time = 2 * law.cycle * law.periodic + np.linspace(0, law.cycle, 1001)[1:-1]
+    ends = np.array([piece.begin for piece in law.pieces] if not isinstance(law, ConstantSpeed) else [])
+    off = np.abs(np.subtract.outer(time % law.cycle, [*ends, law.cycle])).min(axis=1)
+    time = time[off > 3 * step]
+    assert time.size > 100
+    found, differences = derivatives(law, time, 4), by_differences(law, time, step)
+    assert (found[:3] == np.array(law.at(time))).all()
+    assert (derivatives(law, time, 1) == found[:2]).all()
+    # The fastest sine has 4 pi / 0.3 s: a step's fourth power is 3e-6 of it over 30, and rounding 1e-9 by step^2.
+    for value, expected, share in zip(found[3:], differences, (1e-6, 1e-4), strict=True):
+        size = max(float(np.abs(found[3:]).max()), float(np.abs(found[2]).max()), 1.0)
+        assert np.abs(value - expected).max() <= share * size
+
+
+def test_the_third_derivative_of_a_spline_jumps_at_its_rows_alone() -> None:
+    law = LAWS_OF_ANY_KIND["a spline"]
+    third, fourth = law.higher(np.linspace(0.001, 0.899, 400))
+    assert len(np.unique(third)) == 4
+    assert not fourth.any()
