@@ -1,4 +1,4 @@
-"""What callers from Python pass, refused in one line where it is of another kind."""
+"""Validate arguments from Python: each error is one line that names the argument and what was expected."""
 
 from collections.abc import Iterable, Mapping
 from numbers import Integral

@@ -260,7 +260,7 @@ def _fewest(placed: _Placed, left: list[str]) -> Group:
 
 
 def _held(group: Group) -> int:
-    """How many freedoms more the joints of bodies take than these have."""
+    """The constraints of a group in excess of its degrees of freedom; zero of an Assur group."""
     return 2 * len(group.pins + group.slides) + (group.drive is not None) - 3 * len(group.bodies)
 
 

@@ -197,7 +197,10 @@ def cut(low: Samples, high: Samples, parts: int) -> tuple[Samples, Samples]:
 
 
 def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
-    """Each of the whole numbers that some may be, shape (rows, n), where they are not too many, and of which box."""
+    """Enumerate the whole numbers that each row may take in each box; return them, and the box of each.
+
+    A row with more than `WAYS` candidates keeps its bounds.
+    """
     least, most = np.ceil(numbers.range[0]), np.floor(numbers.range[1])
     ways = np.where(np.isnan(most), 1, most - least + 1).astype(int)
     ways[:, ways.prod(axis=0) > WAYS] = 1

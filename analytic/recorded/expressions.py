@@ -1,7 +1,7 @@
-"""Real expressions, each made once, and none whose value is known; what they change by, and how they are written.
+"""Expression graph over real numbers: hash-consed, so that equal expressions are one, with constants folded.
 
-`forward` differentiates them by a rule for each operation, `walk` writes them in an arithmetic: one file in
-`arithmetics`, how operations are spelled, and what is written for each.
+`forward` differentiates a graph by one rule an operation. `walk` writes it in an arithmetic, which is a file in
+`arithmetics` and says how each operation is spelled.
 """
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
@@ -42,7 +42,7 @@ class Expression:
 
     @property
     def operands(self) -> list["Expression"]:
-        """The expressions that it is of."""
+        """The operands that are expressions."""
         return [one for one in self.of if isinstance(one, Expression)]
 
 
@@ -57,8 +57,8 @@ class Recorder:
     def closed(self, closing: "Closing", of: Sequence[Expression]) -> Expression:
         """The coordinates at which a larger group closes, found by Newton's method, NaN where it does not.
 
-        They are of where the method begins, how far off that it may end, the sign of the Jacobian's determinant there
-        and the group's size; then of what the equations are of besides the coordinates.
+        Operands, in this order: the initial guess, the allowed distance from it, the sign of the Jacobian's determinant
+        there, the size of the group; then the inputs of the equations.
         """
         return self._make("closed", (closing, *of), sampled=True)
 

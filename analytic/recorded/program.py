@@ -257,7 +257,7 @@ class BoundedBalance(RecordedBalance):
     """Balances everything as expressions of which an arithmetic finds bounds; whole numbers in them are inputs."""
 
     def settled(self, loads: Loads) -> Sequence[Any]:
-        """The frictions with what a few steps may leave of them.
+        """The friction forces after a few steps, with a bound on the truncation error.
 
         The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
         contraction of that difference.

@@ -57,7 +57,7 @@ def _continued(
     for name, modulo in angles.items():
         wrapped = modulo(k) + np.zeros(len(way) + 1)
         known = np.isfinite(wrapped[:-1])
-        known[:1] |= not known.any()  # so that it is told when it is solved
+        known[:1] |= not known.any()  # where no sample closes one stays, whose failure the solver reports
         angle = np.unwrap(wrapped[:-1][known])
         rough = partial(_followed, turns, way[known])
         off = wrapped[-1] + tau * (wrapped[-1] < -HALF_TURN) - rough(angle, start)

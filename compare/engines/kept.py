@@ -1,4 +1,4 @@
-"""Results kept as they come, one line each, so that a run that was stopped goes on where it was.
+"""Append-only checkpoint: one line a result, from which a run that was stopped resumes.
 
 Each line starts with a digest of itself and of the very same code, scenes and engines; any other line does not count.
 Several runs may add to the file at the same time. Where nothing can be kept, nothing is, and the run goes on.

@@ -98,7 +98,7 @@ class Judgement:
     explained: Explained  # of errors, by doubles
     measurements: list[Measurement]  # one an engine, in the order asked for
     reasons: list[str]  # what the user should know: of its numbers and its sketch, why engines run at their settings
-    let_through: list[str] = field(default_factory=list, kw_only=True)  # faults in copies of these runs, that none sees
+    let_through: list[str] = field(default_factory=list, kw_only=True)  # undetected canaries: faults put into copies
 
     @cached_property
     def held(self) -> list[Gate]:

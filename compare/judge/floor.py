@@ -42,7 +42,7 @@ class UnsolvedError(InputError):
 
 @contextmanager
 def solvable(scene: Scene) -> Iterator[None]:
-    """Have what keeps the reference from solving a scene raise UnsolvedError."""
+    """Convert failures of the reference on a scene to UnsolvedError."""
     try:
         yield
     except UnsolvedError:

@@ -25,7 +25,7 @@ from .measure import Measurement
 ROUNDING = 1e-11  # relative, a sample
 FEWEST = 4  # rows, of which a course can be judged
 FAR_LESS = 0.1  # of an error: others that have less do not share its cause
-ALIKE, ROUGHLY = 1.1, 1e-3  # times, and of the deviation: causes that leave no more are told apart by nothing
+ALIKE, ROUGHLY = 1.1, 1e-3  # ratio of residuals, and share of the deviation: causes within either are tied
 COARSE = "its settings are too coarse: of its error {one}"
 SINGULAR = 1e-3  # of the largest length: so near to a singular configuration engines may take the other assembly
 WINDOW = 1 / 24  # of the drive's way about it

@@ -43,7 +43,7 @@ class CheckLimit(NamedTuple):
 def limits(settings: Settings) -> Iterator[CheckLimit]:
     """Yield what runs at these settings are held to, the worst first."""
     promise, drive = settings.promise, settings.drive_promise
-    off = "{of} is off where the drive asks it to be by {worst} of a {relative_to}"
+    off = "{of} deviates from the commanded position by {worst} of a {relative_to}"
     yield CheckLimit("drive", drive, Status.inconsistent, off)
     yield CheckLimit("closure", OPEN, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}")
     yield CheckLimit("branch", 0.0, Status.wrong_branch, "with all joints closed, the {of} flips to another branch")

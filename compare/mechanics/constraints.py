@@ -119,7 +119,7 @@ class Constraints:
         return ClosedPoses(q, v, a, inverse, branch, condition)
 
     def poses(self, motion: Motion) -> Poses:
-        """Q as a motion's channels have it."""
+        """Coordinates q from the channels of a motion, shape (n, bodies, 3)."""
         state = MotionVectors(self.scene, motion)
         first = np.stack([state.place(body.points[0]) for body in self.scene.bodies.values()], axis=1) / self.size
         angle = np.stack([state.angle(name) for name in self.scene.bodies], axis=1)

@@ -122,7 +122,10 @@ class MotionVectors:
         return replace(self, acting=acting)
 
     def acts(self, ends: Sequence[float]) -> Iterator[Acts]:
-        """Yield whether press forces, whose strokes end at `ends`, m, act a hair less and more far and fast, (4, n)."""
+        """Yield the activity of each press force at displacement and velocity perturbed by +-HAIR, shape (4, n).
+
+        Its stroke ends at its entry of `ends`, m.
+        """
         for load, end in zip(self.scene.presses.values(), ends, strict=True):
             x, v = self.displacement(self.scene.bodies[load.body])
             dx = HAIR * np.ptp(x)

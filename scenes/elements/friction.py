@@ -114,7 +114,7 @@ class FrictionTable(FileTable):
 
 
 def problems(scene: "Scene") -> Iterator[str]:
-    """Yield what of the friction does not fit the joints."""
+    """Yield a sentence for each friction entry that refers to no joint, or to one that has friction already."""
     seen: set[str] = set()
     for number, friction in enumerate(scene.friction):
         place = f"friction.{number}"

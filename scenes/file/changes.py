@@ -16,7 +16,7 @@ from ..scene import Scene
 from .demands import unmet_by_numbers, unmet_together
 
 Value: TypeAlias = float | str
-ONCE = "expected each number once, and a path before leads to this one too"
+ONCE = "expected each number once; this path duplicates an earlier one"
 # what machines of one drive may differ in
 VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "torsion_springs", "friction", "gravity")
 

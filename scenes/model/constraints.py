@@ -1,4 +1,4 @@
-"""What all who solve a linkage's constraints at once can ask: which go together, in what order, and which stays open.
+"""Block-triangular order of a linkage's constraints, and the joint that fails to close.
 
 The rows and columns of a square matrix can be ordered so that it is lower block triangular (Dulmage and Mendelsohn). Of
 the constraints of a linkage the diagonal blocks are the bodies that move together, a crank, a dyad, a larger Assur

@@ -47,7 +47,7 @@ class GuideTerm(NamedTuple):
 
 
 class EquationRows:
-    """EquationRows of the form (1) over the coordinates of `bodies` bodies; zero until terms are added.
+    """Rows of the form (1) over the coordinates of `bodies` bodies; zero until terms are added.
 
     `guides` of them may be of slides on moving bodies, in a linkage of a given size, m.
     """

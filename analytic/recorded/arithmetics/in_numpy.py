@@ -13,7 +13,7 @@ from ...core.groups.newton_group import Correction, length_of, refine, solved
 from ..expressions import SIGNS, Closing, Expression, Inputs, needed, walk
 
 BLOCK = 8000  # positions: a few hundred arrays of them are at hand at a time
-OF_FEWER = ("where", "less", "less_equal", "sin", "cos")  # often of all machines alike: arrays of their own shape
+OF_FEWER = ("where", "less", "less_equal", "sin", "cos")  # results may be shared by all machines: not written in place
 
 
 class StraightLine:

@@ -110,7 +110,7 @@ def _rounded(c: Samples, rest: Samples) -> TaylorModel:
 
 
 def point(value: Any, like: int, off: Any = 0.0) -> TaylorModel:
-    """A value that is the same all over a box but for what it is off, with as many coefficients as there are."""
+    """A constant over each box, with a bound on its error; as many coefficients as the other models have."""
     value = np.atleast_1d(np.asarray(value, np.float64))
     c = np.zeros((like, len(value)))
     c[0] = value

@@ -1,4 +1,4 @@
-"""What goes on in a process that is not this one: it is begun and limited, then answers until its parent has gone.
+"""The worker process: its limits, its request loop, and the guard that ends all that it began.
 
 It ends with all that it began, whatever became of that: its parent is its guard, which runs nothing but what is here.
 What the guarded process began, and they in turn, are children of the guard once their own parents have gone (it is a

@@ -83,7 +83,7 @@ class Worker(Generic[Item, Result]):
         return self.outcome
 
     def done(self) -> bool:
-        """Return whether it is known what came of it, which is `outcome` then."""
+        """Return whether the outcome is available, as `outcome`."""
         if self.busy and (ended := self._ended()):
             self.end()
             self.outcome, self.busy = ended, False

@@ -25,7 +25,7 @@ from . import spoilt_motion as spoilt
 from .sizes import length, sizes
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
-CLEAR = 3.0  # times what the settings promise: more than an ok run is off by, by more than it may be off itself
+CLEAR = 3.0  # times what the settings promise: clearly above any error that an ok run may have
 EXCESS = 300.0  # times what the settings promise: an ok run has no excuse for so much, not even in its balances
 ROUNDINGS = 100.0  # times how far the motion moves: the drive is off by as little too
 MOST = 1.0  # of a scale or magnitude: angles come round

@@ -26,7 +26,7 @@ HAIR = 1e-6  # of the linkage's size, rad, or a share: what a number is varied b
 WIDE = 16  # groups of numbers, that are tried with every further one
 CLOSER = 2  # groups of numbers by each of two measures, that are solved for as they are
 MOST = 4  # groups that are off at once
-HELPS = 0.25  # of what is left over without it, that a further group leaves at most
+HELPS = 0.25  # largest ratio of residuals with and without one more group at which that is accepted
 ROUNDS = 8
 WORK = 1.2e7  # numbers that all slopes are: of five bodies all rows of a usual run, of sixty some forty
 

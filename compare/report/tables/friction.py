@@ -59,7 +59,7 @@ def sentences(study: Study) -> Iterator[str]:
         yield _locking(study)
     bound = float(contraction(study.reference.mechanics, study.motion).max())
     proven = "less than 1, so no other forces are possible" if bound < 1 else "not below 1, so others are not ruled out"
-    yield f"By {short(bound)} at most do the joints' forces change with what their friction was found by: {proven}."
+    yield f"The contraction factor of the joint forces by their own friction is at most {short(bound)}: {proven}."
     if count := int(resting(MotionVectors(scene, study.motion)).sum()):
         rest = "there its friction is unknown, and no engine is judged by its forces"
         yield f"At {count} of {study.sampling.count} samples a joint is at rest, or turns round: {rest}."

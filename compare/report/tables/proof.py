@@ -18,7 +18,7 @@ from . import TableRows
 UNKNOWN = "not known"
 NAMED = 5  # channels in a sentence, at most
 WIDE = "bounds that grow from group to group are wider than these are ever large"
-NOTHING = 2e-6  # of the largest value of a unit: no closer is a bound known that is zero
+NOTHING = 2e-6  # of the largest value of a unit: bounds on zero are known no better than this
 
 
 def bounds(study: Judgement) -> TableRows:

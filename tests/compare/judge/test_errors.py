@@ -157,7 +157,7 @@ def test_a_drive_that_strayed_is_inconsistent(references: References, plug: Plug
     plug(changed(commanded(reference), "drive.displacement", 10.0))
     measured = measure(reference, "stub", SAMPLING)
     assert measured.run.status is Status.inconsistent
-    assert "crosshead is off where the drive asks it to be" in measured.run.reason
+    assert "crosshead deviates from the commanded position by" in measured.run.reason
     assert not measured.errors
 
 

@@ -108,7 +108,7 @@ def test_a_motion_that_is_late_is_noticed(reference: Reference, measured: Measur
     scene = reference.scene
     run = measured(reference.at(SAMPLING.commanded(scene) - late, SAMPLING.times(scene))).run
     assert run.status is Status.inconsistent
-    assert f"crank is off where the drive asks it to be by {late:.1%}"[:52] in run.reason or late < 1e-2
+    assert f"crank deviates from the commanded position by {late:.1%}"[:52] in run.reason or late < 1e-2
 
 
 @pytest.mark.parametrize(("share", "status"), [(0.9, Status.ok), (1.1, Status.inaccurate)])
