@@ -33,24 +33,27 @@ class TaylorModel:
         self.c, self.rest = c, rest
 
     @cached_property
+    def bounds(self) -> tuple[Samples, Samples, Samples, Samples]:
+        """The sizes of the coefficients; the most of all terms but the first two, of all but the first, and of all."""
+        sizes = np.abs(self.c)
+        beside = sizes[2:].sum(axis=0) if len(sizes) > 3 else sizes[2]
+        moving = sizes[1] + beside
+        return sizes, beside, moving, sizes[0] + moving
+
+    @property
     def sizes(self) -> Samples:
         """The sizes of the coefficients."""
-        return np.abs(self.c)
+        return self.bounds[0]
 
-    @cached_property
-    def beside(self) -> Samples:
-        """The most of all terms but the first two."""
-        return np.asarray(self.sizes[2:].sum(axis=0) if len(self.c) > 3 else self.sizes[2])
-
-    @cached_property
+    @property
     def moving(self) -> Samples:
         """The most of all terms but the first."""
-        return np.asarray(self.sizes[1] + self.beside)
+        return self.bounds[2]
 
-    @cached_property
+    @property
     def most(self) -> Samples:
         """The most of all terms."""
-        return np.asarray(self.sizes[0] + self.moving)
+        return self.bounds[3]
 
     @property
     def radius(self) -> Samples:
@@ -81,8 +84,9 @@ class TaylorModel:
         c = a[0] * b
         c[1:] += b[0] * a[1:]
         c[2] += a[1] * b[1]
-        dropped = self.sizes[1] * other.beside + self.beside * other.moving
-        rest = dropped + self.most * (other.rest + ROUNDED * other.most) + self.rest * (other.most + other.rest)
+        (sizes, beside, _, most), (_, other_beside, other_moving, other_most) = self.bounds, other.bounds
+        dropped = sizes[1] * other_beside + beside * other_moving
+        rest = dropped + most * (other.rest + ROUNDED * other_most) + self.rest * (other_most + other.rest)
         return TaylorModel(c, rest * UP + TINY)
 
     def __rmul__(self, factor: float) -> "TaylorModel":
@@ -114,7 +118,7 @@ def point(value: Any, like: int, off: Any = 0.0) -> TaylorModel:
     value = np.atleast_1d(np.asarray(value, np.float64))
     c = np.zeros((like, len(value)))
     c[0] = value
-    return TaylorModel(c, np.broadcast_to(np.asarray(off, np.float64), value.shape))
+    return TaylorModel(c, np.zeros(value.shape) + off)
 
 
 def joined(models: Sequence[TaylorModel]) -> TaylorModel:
@@ -143,8 +147,8 @@ def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorMod
     c = f1 * x.c
     c[0] = f0
     c[2] += f2 * (x.c[1] * x.c[1])
-    b, k, rest, D = x.sizes[1], x.beside, x.rest, x.radius
-    square = k * (2 * b + k) + rest * (2 * x.moving + rest)  # of x less its first term, beside c_1^2 s^2
+    (sizes, k, moving, _), rest, D = x.bounds, x.rest, x.radius
+    square = k * (2 * sizes[1] + k) + rest * (2 * moving + rest)  # of x less its first term, beside c_1^2 s^2
     off = np.abs(f1) * (rest + FUNCTION * D) + np.abs(f2) * (square + FUNCTION * D * D) + third * D**3
     return TaylorModel(c, (off + FUNCTION * np.abs(f0)) * UP + TINY)
 
