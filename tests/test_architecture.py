@@ -123,3 +123,17 @@ def test_every_engine_has_all_of_the_protocol() -> None:
     for engine, module in zip(engines, ENGINES, strict=True):
         assert members <= vars(engine).keys()
         assert {name for name in vars(module) if name.isupper()} - OF_THEIR_OWN <= members  # none is misspelt
+
+
+@pytest.mark.parametrize("words", ["list", "--engines analytic --no-speed --samples 36"])
+def test_what_a_report_needs_none_of_is_not_imported(words: str, tmp_path: Path) -> None:
+    """Each of these takes longer to import than to find; a first run that is right meets none of them."""
+    late = {
+        *("analytic.proven.assemblies", "analytic.recorded.derivatives", "analytic.recorded.many"),
+        *("analytic.recorded.streams", "compare.ci.baseline", "compare.judge.causes.evidence"),
+        *("compare.judge.foreign", "compare.judge.triage", "numpy.ma", "pandas", "scipy"),
+    }
+    words = words.replace("--engines", f"--out {tmp_path} --engines")
+    code = f"import sys; from compare.run import main; main({words.split()}); print({late} & {{*sys.modules}})"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert ran.stdout.splitlines()[-1] == "set()"

@@ -15,7 +15,6 @@ from typing import Any
 from scenes import Sampling, Scene
 from scenes.errors import nearest
 
-from ..ci.baseline import changes
 from ..engines import registry
 from ..engines.processes.stopping import Stopped, stoppable
 from ..engines.runner import processor_time
@@ -85,6 +84,8 @@ def _since(scene: Scene, options: Namespace, known: Callable[[], Mapping[str, An
     old = {"since_baseline": (options.baseline or {}).get(scene.name), "since_last_run": last(options.out, scene)}
     if not any(old.values()):
         return {}
+    from ..ci.baseline import changes  # late, as what a first run needs none of
+
     new = Summary.model_validate(plain(known()))
     return {name: changes(earlier, new) for name, earlier in old.items() if earlier}
 

@@ -22,7 +22,6 @@ from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import relative_errors
 from .agreement import Judgement
 from .errors import worst_of
-from .foreign import assess_result, coarse
 from .measure import Measurement, escalated, measure
 from .plausibility import cycles_of, implausible
 from .sketch import rough, warnings
@@ -67,6 +66,8 @@ def judgement(
             reasons.extend(beyond(measured, explained))
             yield measured
         for result in results:
+            from .foreign import assess_result, coarse  # late, as what few runs need
+
             progress(f"comparing {result.run.engine}")
             reasons.extend(result.notes)
             assessed = assess_result(reference, result)

@@ -17,7 +17,6 @@ from ..mechanics.mechanics import GROUPS, Mechanics
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import travels
-from .causes.evidence import NEARLY_ALL
 from .checks import Check, checks
 from .errors import ChannelError, Comparison, by_group, compare, error_table, worst_of
 from .verdict import compared, doubted_core, judged, share
@@ -160,6 +159,8 @@ def escalated(measure: Callable[[Settings], Measurement], offered: Sequence[Sett
 
 def _finer(first: Measurement, further: Iterable[Measurement]) -> str:
     """Which settings leave hardly any of the error over, and how much, or nothing."""
+    from .causes.evidence import NEARLY_ALL  # late, as what a run that is right needs none of
+
     off = first.largest
     left = min(((m.largest / off, _label(m.run)) for m in further if m.largest < NEARLY_ALL * off), default=None)
     return f"{left[1]} leave {share(left[0])}" if left else ""
