@@ -55,7 +55,9 @@ class MappingFile(FileTable):
     units: UnitsTable = Field(UnitsTable.model_validate({}), description="Of the columns.")
     frame: FrameTable = Field(FrameTable.model_validate({}), description="Of places, vectors and angles.")
     backwards: bool = Field(False, description="Whether its drive runs the other way, from the last row to the first.")
-    other_side: list[Text] = Field([], description='Joints, sliders or "drive" whose forces are on the other body.')
+    other_side: list[Text] = Field(
+        [], description='Joints, sliders, "drive" or channels of forces that are on the other body.'
+    )
     promise: Positive = Field(1e-3, lt=1, description="The largest relative error, besides that of its decimals.")
     columns: dict[str, Text | ColumnTable] = Field({}, description="By channel; where absent those named as channels.")
 

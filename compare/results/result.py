@@ -214,8 +214,12 @@ def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile, *, relati
 def _on_this_side(scene: Scene, columns: Columns, other_side: Sequence[str]) -> None:
     stems, turned = {channel: channel.rpartition(".")[0] for channel in force_channels(scene)}, set[str]()
     for pattern in other_side:
-        if not (fits := {channel for channel, stem in stems.items() if fnmatchcase(stem, pattern)}):
-            shown = one_line(pattern, 60)
+        shown = one_line(pattern, 60)
+        fits = {channel for channel, stem in stems.items() if fnmatchcase(stem, pattern) or channel == pattern}
+        kinds = {"pin" if channel[-1] in "xy" else quantity(channel).partition("_")[0] for channel in fits}
+        if len(kinds) > 1 and pattern in stems.values():  # a pin with the name of a slider, or called drive
+            raise InputError(f"other_side: '{shown}' is of several; expected one or more of {', '.join(sorted(fits))}")
+        if not fits:
             raise InputError(f"other_side: no joint, slider or drive '{shown}'{nearest(shown, stems.values())}")
         turned |= fits
     columns |= {channel: -columns[channel] for channel in turned & columns.keys()}

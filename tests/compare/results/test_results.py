@@ -1,6 +1,7 @@
 """A result of another program stands beside the engines: read by its mapping, judged, named where it is wrong."""
 
 import json
+import re
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -13,7 +14,7 @@ from compare.judge.foreign import assess_result
 from compare.judge.measure import Measurement, gates
 from compare.results.result import read_result
 from compare.run import main
-from scenes import Scene
+from scenes import InputError, Scene
 from tests import scene_files
 from tests.comparisons import References, only_few_settings
 from tests.foreign import DEGREES, ELSEWHERE, MAPPED, Writer, channels, instants
@@ -53,6 +54,29 @@ def test_the_angle_between_two_bodies_does_not_turn_with_the_frame(tmp_path: Pat
     columns = ELSEWHERE.columns(scene, instants(scene), ["crank_angle", *channels(scene)])
     found = judged(scene, ELSEWHERE.file(tmp_path, columns, f"promise = 1e-9\n{MAPPED}"), references)
     assert found.run.status.name == "ok", found.run.reason
+
+
+def test_the_other_side_of_one_of_two_of_a_name_is_of_a_channel(tmp_path: Path) -> None:
+    """A slider has the name of its pin, and both have forces."""
+    text = scene_files.text("offset_slider_crank")
+    (tmp_path / "alike.toml").write_text(re.sub(r"\bslider(?= *[].=\"])(?! = \")", "B", text), encoding="utf-8")
+    scene, pair = scenes.load(tmp_path / "alike.toml"), ["B.fx", "B.fy", "B.guide_force"]
+    columns = Writer().columns(scene, instants(scene, 12), pair)
+
+    def signs(other_side: str) -> list[float]:
+        found = read_result(
+            scene, f"theirs={Writer().file(tmp_path, columns, f'other_side = {other_side}')}"
+        ).run.motion
+        assert found is not None
+        return [float(np.median(found[c] / columns[c])) for c in pair]
+
+    assert signs('["B.guide_force"]') == [1, 1, -1]
+    assert signs('["B.fx", "B.fy"]') == [-1, -1, 1]
+    assert signs('["*"]') == [-1, -1, -1]
+    with pytest.raises(
+        InputError, match=r"other_side: 'B' is of several; expected one or more of B.fx, B.fy, B.guide_f"
+    ):
+        signs('["B"]')
 
 
 @pytest.mark.parametrize("channel", ["P4.y", "P4.vx", "P5.ay", "rod.angle", "toggle.alpha", "P3.fx", "drive.torque"])
