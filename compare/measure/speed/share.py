@@ -7,7 +7,7 @@ is below the one that is asked for.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from math import ceil, inf, nan
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from scenes import Sampling, Settings, Status
 
@@ -36,9 +36,16 @@ def steps_per_cycle(settings: Settings, samples: int = SAMPLING.samples) -> int 
 # building is left open, since the first run of a process also prepares what the engine keeps of a scene.
 
 
-def at_samples(main: Iterable[Measurement], sampling: Sampling) -> Mapping[tuple[str, Settings], Run]:
-    """The main runs that went well and have the samples of a table, at these alone, by engine and settings."""
-    known, wanted = dict[tuple[str, Settings], Run](), sampling.channels or frozenset()
+class MainRun(NamedTuple):
+    """A main run at the samples of a table."""
+
+    run: Run
+    samples: int  # a cycle, that it had, and that its times are of
+
+
+def at_samples(main: Iterable[Measurement], sampling: Sampling) -> Mapping[tuple[str, Settings], MainRun]:
+    """The main runs that went well and have the samples of a table, by engine and settings."""
+    known, wanted = dict[tuple[str, Settings], MainRun](), sampling.channels or frozenset()
     for run, asked in ((measured.run, measured.asked) for measured in main):
         if run.settings is None or run.motion is None or not isinstance(asked, Sampling):
             continue
@@ -48,7 +55,8 @@ def at_samples(main: Iterable[Measurement], sampling: Sampling) -> Mapping[tuple
         if run.status is Status.ok and alike and among and asked.channels in (None, sampling.channels):
             every = asked.samples // sampling.samples
             samples = {c: values[::every] for c, values in run.motion.samples.items() if c in wanted}
-            known[run.engine, run.settings] = replace(run, build_s=nan, motion=replace(run.motion, samples=samples))
+            thinned = replace(run, build_s=nan, motion=replace(run.motion, samples=samples))
+            known[run.engine, run.settings] = MainRun(thinned, asked.samples)
     return known
 
 

@@ -5,7 +5,7 @@ counts processor time, of all threads together. On an idle machine that is the t
 on a busy one other programs make a run wait, and the time on the wall is as much theirs as the run's.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import accumulate, chain, groupby, product
@@ -76,7 +76,8 @@ def speed_table(
     allowed, known = watch.allowed(budget.share, budget.since), at_samples(main, sampling)
 
     def at(engine: str, settings: Settings) -> Measurement:
-        run = known.get((engine, settings)) or runs.run(engine, reference.scene, sampling, settings)
+        main_run = known.get((engine, settings))
+        run = main_run.run if main_run else runs.run(engine, reference.scene, sampling, settings)
         return assess(reference, sampling, replace(run, settings=settings), explained)
 
     def error_runs() -> Iterator[tuple[Run, SpeedRow]]:
@@ -84,7 +85,7 @@ def speed_table(
             part = EngineShare(
                 watch, (ERRORS * allowed - watch.taken()) / (len(names) - number), *last_run(main, engine)
             )
-            free = {settings for name, settings in known if name == engine}
+            free = {settings: main_run.samples for (name, settings), main_run in known.items() if name == engine}
             yield from _error_runs(at, engine, budget, progress, part, free)
 
     points = list(kept(error_runs()))
@@ -106,7 +107,9 @@ def speed_table(
     compared = contests([table[place] for place in able])
     for number, times in enumerate(take_turns(first, again, budget, progress, partial(in_doubt, compared))):
         if times and number not in failed:
-            table[able[number]] = replace(table[able[number]], **_seconds(times), timed_runs=len(times))
+            table[able[number]] = replace(
+                table[able[number]], **_seconds(times), timed_runs=len(times), samples_a_turn=SAMPLING.samples
+            )
     return table
 
 
@@ -116,9 +119,12 @@ def _error_runs(
     budget: Budget,
     progress: Progress,
     part: EngineShare,
-    free: Collection[Settings],
+    free: Mapping[Settings, int],
 ) -> Iterator[tuple[Run, SpeedRow]]:
-    """Every setting's error run and row; once one has taken too long, the finer ones of its family are not run."""
+    """Every setting's error run and row; once one has taken too long, the finer ones of its family are not run.
+
+    `free` has the samples a cycle of the main runs that are error runs too, by their settings.
+    """
     too_slow: dict[str, int] = {}  # steps per cycle, by family
     offered = tiers(engine)
     for settings, role in settings_of(engine, full=budget.full).items():
@@ -133,7 +139,8 @@ def _error_runs(
         measurement = measured(engine, settings) if settings in free else part.take(measured, engine, settings)
         if settings.family and measurement.run.seconds > budget.point_s:
             too_slow[settings.family] = steps
-        yield measurement.run, _row(measurement, settings, role, tier)
+        row = _row(measurement, settings, role, tier)
+        yield measurement.run, replace(row, samples_a_turn=free.get(settings, SAMPLING.samples))
 
 
 def _row(measurement: Measurement, settings: Settings, role: str, tier: str) -> SpeedRow:

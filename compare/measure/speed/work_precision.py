@@ -46,7 +46,7 @@ class SpeedRow:
     expected_order: float | None
     note: str
     steps: float  # a cycle, of the coarsest run, rounded up as engines do; NaN of settings that take none
-    samples_a_turn: int
+    samples_a_turn: int  # that the times are of
     status: str
     reason: str
     build_s: float

@@ -81,3 +81,4 @@ def test_a_main_run_with_the_same_steps_and_samples_is_not_run_twice(
     assert row["reaction_max"] == alone["reaction_max"]
     assert row["steps_made"] == alone["steps_made"]
     assert np.isnan(row["build_s"]) == (times == 0)
+    assert row["samples_a_turn"] == (samples if times == 0 else 72)  # that its time is of
