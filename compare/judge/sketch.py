@@ -9,9 +9,9 @@ and none of them is to blame. A sketch is at fault
     where it is nearer to another assembly than to the one on whose side its points are, or
     where its points are as far apart as in another unit of length.
 
-Of 300 spoilt sketches of 12 linkages, of another angle or unit, with points swapped, mirrored or moved at random, an
-engine took another assembly or none from 60; these are all at fault, and 24 more. How far points are off does not tell:
-a crank that is drawn at another angle is harmless, and noted.
+The bounds lie between two kinds of spoilt sketches, of another angle or unit, with points swapped, mirrored or moved at
+random: those from which an engine takes another assembly or none are all at fault, and of the others some. How far
+points are off does not tell: a crank that is drawn at another angle is harmless, and noted.
 """
 
 from cmath import phase
