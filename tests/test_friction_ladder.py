@@ -173,31 +173,3 @@ def test_the_joint_that_the_core_names_frees_it(name: str) -> None:
             share = float(found[1])  # of four digits
             assert passes(joints[found[2]], (1 - 1e-3) * share), rung
             assert not passes(joints[found[2]], (1 + 1e-3) * share), rung
-
-
-Q, LEVER, LENGTH = 20.0, 0.1, 0.15  # of the drawer: N, m, m
-CRITICAL = LENGTH / (2 * LEVER)
-
-
-@sampled(4)
-@each(*(held for held in ENGINES if held[:2] != ("pymunk", "DEFAULT")))  # that moves no massless bodies
-@pytest.mark.parametrize("pushed", [False, True])
-def test_drawer(held: Held, *, pushed: bool) -> None:
-    """P = Q + c |P| of the pull P, with c = 2 mu e / L: from c = 1 on none pulls, and two solutions hold a push.
-
-    A load Q along the motion, so P = -Q + c |P|, has P = -Q / (1 + c) with any c, and P = Q / (c - 1) too where c > 1.
-    The core says so; the others have the one that a drawer without friction goes on to.
-    """
-    for rung in (0.0, 0.5, 1 - 1e-6, 1 + 1e-6, 4.0):
-        force = {"loads.0.force": [Q if pushed else -Q, 0]}
-        scene = scene_files.load("drawer", {"friction.0.coefficient": rung * CRITICAL, **force})
-        status = Status.jammed if rung > 1 else Status.ok
-        if pushed:
-            status = Status.undetermined if rung > 1 and held.engine == "analytic" else Status.ok
-        ended = outcome(held, scene)
-        assert (ended.status if isinstance(ended, Failure) else Status.ok) is status, rung
-        if isinstance(ended, Motion):
-            expected = -Q / (1 + rung) if pushed else Q / (1 - rung)
-            # The massless drawer moves evenly: roundings of 2 e / L and of its pose, 1e-10, as often as forces grow.
-            off = np.abs(ended["drive.force"] / expected - 1).max()
-            assert not off > 1e-10 * (1 if pushed else 1 / (1 - rung)), rung

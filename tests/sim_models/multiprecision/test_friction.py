@@ -11,9 +11,7 @@ from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.scene import ConstantSpeed, Force, GuideFriction, PinFriction
 from tests import scene_files
 from tests.absolute_bodies import local_points, mass_properties
-from tests.absolute_coordinates import solve
-from tests.agreement import FORCES, attitude, errors
-from tests.comparisons import SLOW
+from tests.agreement import attitude
 from tests.friction_scenes import everywhere
 
 from .runs import run
@@ -24,30 +22,6 @@ from sim_models.multiprecision import engine as model  # noqa: E402  (its engine
 from sim_models.multiprecision.friction import Pressed  # noqa: E402
 
 SAMPLES = 8
-# Pins and a guide of the ground, moving guides, a drive between two bodies, three bodies at a pin, a driven slider and
-# a group that is no dyad; then dwells, cylinders that drive, and more of all.
-QUICK = ("toggle_press", "rocking_guide", "elbow", "three_at_a_pin", "wedge", "class_iii")
-MORE = ("swinging_segments", "busy_bucket", "excavator_bucket", "quick_return", "servo_press", "walking_leg")
-by_scene = pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=SLOW) for name in MORE)])
-
-
-@by_scene
-def test_every_channel_is_that_of_the_tests_own_equations(name: str) -> None:
-    scene = everywhere(scene_files.load(name), 0.1, viscous=0.3)
-    time = Sampling(SAMPLES).times(scene)
-    expected = solve(scene, *scene.drive.law.at(time), time)
-    for channel, error in errors(run(scene, SAMPLES), expected).items():
-        assert error.max() <= FORCES, channel
-
-
-def test_a_smooth_friction_is_less_where_a_joint_is_slow() -> None:
-    """The same as above with rates of all sizes: the tests' equations have the tanh too."""
-    sharp = everywhere(scene_files.load("rocking_guide"))
-    scene = replace(sharp, friction=tuple(replace(friction, smooth=2.0) for friction in sharp.friction))
-    motion, time = run(scene, SAMPLES), Sampling(SAMPLES).times(scene)
-    for channel, error in errors(motion, solve(scene, *scene.drive.law.at(time), time)).items():
-        assert error.max() <= FORCES, channel
-    assert np.all(motion["friction.power"] > run(sharp, SAMPLES)["friction.power"])
 
 
 def place(scene: Scene, motion: Motion, point: str, of: str) -> Any:
@@ -88,28 +62,6 @@ def test_power_is_balanced(name: str) -> None:
     assert np.all(motion["friction.power"] < 0)
     # Ten terms of rounded channels: some 1e-16 of the largest each.
     assert np.abs(sum(terms)).max() <= 1e-14 * np.abs(terms).max()
-
-
-def test_without_friction_it_is_as_without_friction() -> None:
-    """The forces' errors fall as mu over four decades; with mu = 0 the forces are the same but for their rounding."""
-    scene = scene_files.load("toggle_press")
-    without = run(scene)
-    off = []
-    for mu in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 0.0):
-        motion = run(everywhere(scene, mu))
-        off.append(max(error.max() for error in errors(motion, without.samples).values()))
-    assert np.abs(np.diff(np.log10(off[:-1])) + 1).max() <= 0.05  # the square of mu: 0.01 of mu, times some ten joints
-    assert off[-1] == 0
-
-
-def test_nothing_rubs_while_the_drive_dwells() -> None:
-    """The law's last sixth is a dwell: the forces are those without friction there, and others before."""
-    dwell = [{"to": 3, "within": 0.5, "law": "cycloidal"}, {"within": 0.1}]
-    scene = scene_files.load("slider_crank", {"drive": {"body": "crank", "start": 1, "segments": dwell}})
-    motion, without = run(everywhere(scene), 12), run(scene, 12)
-    rubbing = motion["drive.torque"] != without["drive.torque"]
-    assert rubbing.tolist() == [False, *[True] * 9, False, False, False]  # it starts from rest too
-    assert np.array_equal(motion["friction.power"] < 0, rubbing)
 
 
 def pinched(coefficient: float) -> Scene:
