@@ -12,12 +12,12 @@ from scenes.drive import Driven, Samples
 from scenes.scene import GROUND
 
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned, kind
-from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
+from .dyads import Vectors, as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
 from .groups.continuation import follow
 from .groups.group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
 from .groups.newton_group import rates
-from .numbers import samples
-from .placing import Closure, Kinematics, Placing, RRRPosition
+from .numbers import Number, samples
+from .placing import Closure, Kinematics, Placing, RRRPosition, Spin
 
 
 def kinematics(
@@ -83,17 +83,25 @@ class Pass(Placing):
         distance = np.abs(d)
         k.reach[P] = rrr_reach(r1, r2, distance)
         k.to_lock[P] = np.minimum((r1 + r2) - distance, distance - abs(r1 - r2))
-        p, q, area = self.rrr_position(d, distance, r1, r2, k.reach[P], dyad.branch)
-        closure = k.closure[P] = Closure(1j * p, 1j * q, area)
-
-        spin_1 = spin_2 = None
-        if self.rates:
-            w1, w2 = closing(self.foot_v(two, q) - self.foot_v(one, p), *closure)
-            centripetal = (self.foot_a(two, q, w2) - w2**2 * q) - (self.foot_a(one, p, w1) - w1**2 * p)
-            alpha_1, alpha_2 = closing(centripetal, *closure)
-            spin_1, spin_2 = (w1, alpha_1), (w2, alpha_2)
+        p, q, area = self.arms(dyad, d, distance, r1, r2)
+        k.closure[P] = Closure(1j * p, 1j * q, area)
+        spin_1, spin_2 = self.spins(P, (one, p), (two, q)) if self.rates else (None, None)
         self.place_bar(one, P, p, p * (1 / bar_1), spin_1)
         self.place_bar(two, P, q, q * (1 / bar_2), spin_2)
+
+    def arms(
+        self, dyad: InnerPin, d: Vectors, distance: Samples, r1: Number, r2: Number
+    ) -> tuple[Vectors, Vectors, Samples]:
+        """Return the arms of two bars from their outer pins to the inner one, and p x q; the outer ones are d apart."""
+        return self.rrr_position(d, distance, r1, r2, self.k.reach[dyad.P], dyad.branch)
+
+    def spins(self, P: str, bar_1: tuple[Pinned, Vectors], bar_2: tuple[Pinned, Vectors]) -> tuple[Spin, Spin]:
+        """Return how two bars turn, each given with its arm to the inner pin."""
+        closure, (one, p), (two, q) = self.k.closure[P], bar_1, bar_2
+        w1, w2 = closing(self.foot_v(two, q) - self.foot_v(one, p), *closure)
+        centripetal = (self.foot_a(two, q, w2) - w2**2 * q) - (self.foot_a(one, p, w1) - w1**2 * p)
+        alpha_1, alpha_2 = closing(centripetal, *closure)
+        return (w1, alpha_1), (w2, alpha_2)
 
     def rrp(self, dyad: InnerPin, bar: Pinned, slider: Guided) -> None:
         """Solve in guide axes: P = C + s t on the slider, A + p on the bar; only s and the bar's angle are unknown."""

@@ -58,10 +58,9 @@ class Balance(Loading):
     def inner_pin(self, dyad: InnerPin) -> None:
         """Balance a dyad with an inner pin."""
         one, two = dyad.legs
-        closure = self.k.closure[dyad.P]
         applied = [self.on_leg(leg, dyad.P) for leg in dyad.legs]
         Q1, Q2 = (self.on_freedom(leg, *load) for leg, load in zip(dyad.legs, applied, strict=True))
-        R = inner_force(Q1, Q2, *closure)
+        R = self.pull(dyad, Q1, Q2)
         self.hold(one.body, dyad.P, R)
         self.hold(two.body, dyad.P, -R)
         for leg, (force, moment), on_leg in zip(dyad.legs, applied, (R, -R), strict=True):
@@ -72,6 +71,10 @@ class Balance(Loading):
             else:
                 arm = self.k.z[dyad.P] - self.k.z[self.foot(leg)]
                 self.outer_guide(leg, force + on_leg, moment + cross(arm, on_leg))
+
+    def pull(self, dyad: InnerPin, Q1: Samples, Q2: Samples) -> Vectors:
+        """Return the force of the second leg on the first one at the inner pin, given each leg's generalised force."""
+        return inner_force(Q1, Q2, *self.k.closure[dyad.P])
 
     def inner_slide(self, dyad: InnerSlide) -> None:
         """Balance a dyad with an inner slide."""

@@ -34,7 +34,7 @@ from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Complex, FramePoses, Group, GroupEquations, coordinates, equations_of
 from ..core.groups.newton_group import own_jacobian
 from ..core.kinematics import followed, placed
-from ..recorded.arithmetics.box_line import inverses
+from ..recorded.arithmetics.systems import inverses
 from ..solve import prepared
 from ..way.motion_range import End, motion_at, motion_range
 from ..way.singular import change_points

@@ -23,8 +23,10 @@ from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quanti
 from ..channels import all_channels
 from ..core.decomposition import decompose
 from ..core.groups.group_equations import Group
-from ..recorded.arithmetics.box_line import BoxLine, stacked
+from ..recorded.arithmetics.box_line import BoxLine
+from ..recorded.arithmetics.systems import stacked
 from ..recorded.arithmetics.taylor_models import TaylorModel, joined, parabola_most, point
+from ..recorded.chained import depth, two_bars
 from ..recorded.expressions import Expression
 from ..recorded.program import inputs_at, inputs_of, recorded
 from ..recorded.traced import Traced
@@ -38,6 +40,7 @@ LAW = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and o
 STROKE, PARTS, STROKE_LEVELS = 512, 64, 3  # boxes of a cycle, parts of a box, levels: how a stroke's end is found
 BLOCK = 512  # boxes of which the models are found at a time, so that they stay in cache
 MOST, SLOWER = 8000, 5  # boxes at a time, which take seconds; with larger groups a box takes some times as long
+FEW, ALONE = 3, 16  # dyads that hang on each other: of more bounds grow, of still more so far that they tell nothing
 WAYS = 27  # in which three joints may move or rest; more are too many
 Numbers: TypeAlias = NDArray[np.intp]
 
@@ -45,13 +48,17 @@ Numbers: TypeAlias = NDArray[np.intp]
 class Boxes:
     """The channels and magnitudes of a scene over boxes, and the conditions under which they are so, for many calls."""
 
-    def __init__(self, scene: Scene, names: AbstractSet[str] | None, off: Mapping[str, float]) -> None:
+    def __init__(
+        self, scene: Scene, names: AbstractSet[str] | None, off: Mapping[str, float], *, chain: bool | None = None
+    ) -> None:
         """Prepare it.
 
         Args:
             scene: the mechanism.
             names: which channels and magnitudes; None for all.
             off: by how much numbers of the scene may be off, SI, by path in the file.
+            chain: whether dyads of two bars are one system; None where more groups hang on each other than bear bounds
+                of bounds.
         """
         self.scene, self.like, law = scene, 3 + len(off), scene.drive.law
         self.edges = cycle_edges(scene, 0, 1)
@@ -64,7 +71,11 @@ class Boxes:
             known_names("names", names, every)
             channels = frozenset(part for name in names for part in parts.get(name, [name]))
         self.core = prepared(scene, whole, channels)
-        self.program = recorded(scene, scene.numbers.keys(), channels, proven=True)
+        linkage = self.core.linkage
+        hanging = depth(linkage) if len(two_bars(linkage)) > 1 and not linkage.tracks else 0
+        self.chained = hanging > ALONE if chain is None else chain
+        self.grows = not self.chained and hanging > FEW
+        self.program = recorded(scene, scene.numbers.keys(), channels, proven=True, chain=self.chained)
         make, rows = self.program.make, dict(self.program.channels)
         for name, own in parts.items():
             if own and rows.keys() >= {*own}:

@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ..recorded.arithmetics.box_line import alone
+from ..recorded.arithmetics.systems import alone
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, joined
 
 LEAST = 2.0**-44  # of the whole way: no box is divided further

@@ -24,7 +24,7 @@ from .boxes import FIRST, Boxes, Numbers, cut
 from .branches import LEAST
 from .cycles import over_cycles
 from .levels import Level, joined
-from .reasons import why_open, why_unbounded
+from .reasons import GROW, why_open, why_unbounded
 
 AT_ONCE = 256  # boxes, which take about as long as a single one
 FEWEST, MOST = 4, 64  # parts of a box
@@ -71,7 +71,10 @@ def enclose(
         refuse("turns", "a whole number from 1" if scene.periodic else "1 of a drive that runs once", turns)
     boxes = Boxes(scene, names, off)
     boxes.core.check_hull(np.array(scene.drive.law.extent))
-    return over_cycles(boxes, turns, lambda some: _extremes(some, accuracy))
+    found = over_cycles(boxes, turns, lambda some: _extremes(some, accuracy))
+    if boxes.grows and GROW in found.why:
+        found = over_cycles(Boxes(scene, names, off, chain=True), turns, lambda some: _extremes(some, accuracy))
+    return found
 
 
 def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = None) -> Mapping[str, Samples]:
@@ -135,7 +138,12 @@ def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
         done.append(level.kept(~divided[own], attained))
         low, high = low[divided], high[divided]
         if not len(low):
-            return _enclosed(boxes, joined(done), attained, way)
+            for number, level in enumerate(done):
+                done[number] = level.kept(np.ones(len(level.low), np.bool_), attained)
+            del level
+            every = joined(done)
+            done.clear()  # of what takes most of the memory there is no second copy for long
+            return _enclosed(boxes, every, attained, way)
         low, high = cut(low, high, int(np.clip(AT_ONCE // len(low), FEWEST, MOST)))
 
 
@@ -156,7 +164,6 @@ def _enclosed(boxes: Boxes, every: Level, attained: Samples, way: float) -> Encl
     open_at = min((span for span in spans if span), default=None)
     if open_at is not None:
         return Enclosures((), open_at, why=why_open(boxes, every, open_at[0], LEAST * way))
-    every = every.kept(np.ones(len(every.low), np.bool_), attained)
     most = attained.copy()
     np.maximum.at(most, every.row, every.most)
     begins, ends, holds = every.places(attained, most)

@@ -12,10 +12,11 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ..recorded.arithmetics.taylor_models import ROUNDED, parabola_most
+from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, parabola_most
 from .boxes import BLOCK, Boxes, Numbers
 
 AT_A_TIME = 1_000_000  # rows times boxes whose models are in memory, some hundred bytes each
+AT_ONCE = 200_000  # of these, of which it is asked at once where they are largest
 
 
 class Level(NamedTuple):
@@ -41,14 +42,20 @@ class Level(NamedTuple):
         size = max(AT_A_TIME // (BLOCK * max(rows, 1)), 1) * BLOCK
         for first in range(0, len(low), size):
             some = slice(first, first + size)
-            part, attained = cls._of(boxes, low[some], high[some], rows, attained)
-            parts.append(part._replace(own=part.own + first))
+            models, own = boxes(low[some], high[some])
+            assumed = np.bincount(own)[own] > 1
+            step = max(AT_ONCE // max(rows, 1), 1)
+            for here in (slice(begin, begin + step) for begin in range(0, len(own), step)):
+                ends = low[some][own[here]], high[some][own[here]], own[here] + first
+                part, attained = cls._of(models[:, here], *ends, assumed[here], attained)
+                parts.append(part)
         return joined(parts), attained
 
     @classmethod
-    def _of(cls, boxes: Boxes, low: Samples, high: Samples, rows: int, attained: Samples) -> tuple["Level", Samples]:
-        models, own = boxes(low, high)
-        assumed = np.bincount(own)[own] > 1
+    def _of(
+        cls, models: TaylorModel, low: Samples, high: Samples, own: Numbers, assumed: Any, attained: Samples
+    ) -> tuple["Level", Samples]:
+        rows = len(attained) // 2
         c, rest = models.c[:, :rows], models.rest[:rows]
         c = np.concatenate([-c, c], axis=1)
         further = np.abs(c[3:]).sum(axis=0)
@@ -62,7 +69,7 @@ class Level(NamedTuple):
         attained = np.maximum(attained, known.max(axis=1))
         row, box = np.nonzero((most >= attained[:, np.newaxis]) & ~doubtful)  # with one that stays so nothing is known
         of_rows = c[:3, row, box], (rest + further)[row, box], most[row, box], known[row, box]
-        return cls(low[own], high[own], own, doubtful, fails, condition, box, row, *of_rows), attained
+        return cls(low, high, own, doubtful, fails, condition, box, row, *of_rows), attained
 
     def wanted(self, enough: Samples) -> Any:
         """Boxes where a row may have values above what is enough, shape (2 rows,), or a condition may not hold."""
@@ -103,6 +110,6 @@ def joined(levels: Iterable[Level]) -> Level:
     every = [*levels]
     counts = np.cumsum([0, *(len(one.low) for one in every)])
     numbered = [one._replace(box=one.box + first) for one, first in zip(every, counts, strict=False)]
-    whole = Level(*(np.concatenate(each, axis=-1) for each in zip(*numbered, strict=True)))
-    order = np.argsort(whole.row, kind="stable")
-    return Level._make([*whole[:6], *(one[..., order] for one in whole[6:])])
+    order = np.argsort(np.concatenate([one.row for one in every]), kind="stable")
+    whole = (np.concatenate(each, axis=-1) for each in zip(*numbered, strict=True))
+    return Level._make(each if field < 6 else each[..., order] for field, each in enumerate(whole))

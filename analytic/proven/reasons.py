@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from ..recorded.program import BALANCE
+from ..recorded.balances import BALANCE
 from .boxes import Boxes
 from .levels import Level
 
+GROW = "grow from group to group"
 WIDTHS = 64  # of the smallest boxes: one that is no wider is not divided any more
 
 
@@ -29,8 +30,8 @@ def why_open(boxes: Boxes, every: Level, begin: float, smallest: float) -> str:
     single, _ = Level.of(boxes, middle, middle, np.full(2 * len(boxes.names), -np.inf))
     if single.doubtful[0]:
         open_too = f"whether {names[int(single.condition[0])]} closes is open at a single position too"
-        return f"bounds grow from group to group, and 16 digits are too few for so many: {open_too}"
-    return f"bounds of {name} are too wide, which grow from group to group, and {boxes.most} boxes are too few for them"
+        return f"bounds {GROW}, and 16 digits are too few for so many: {open_too}"
+    return f"bounds of {name} are too wide, which {GROW}, and {boxes.most} boxes are too few for them"
 
 
 def why_unbounded(every: Level, smallest: float) -> str:
@@ -40,4 +41,4 @@ def why_unbounded(every: Level, smallest: float) -> str:
         return ""
     if (every.high - every.low)[unknown].min() <= WIDTHS * smallest:
         return "they are divided by a number that is zero there, or nearly"
-    return "their bounds grow from group to group, and more boxes would be needed than there is room for"
+    return f"their bounds {GROW}, and more boxes would be needed than there is room for"

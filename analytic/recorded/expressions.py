@@ -7,6 +7,7 @@
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from math import inf, isqrt
 from typing import Any, TypeAlias
 
@@ -58,7 +59,8 @@ class Recorder:
         """The coordinates at which a larger group closes, found by Newton's method, NaN where it does not.
 
         Operands, in this order: the initial guess, the allowed distance from it, the sign of the Jacobian's determinant
-        there, the size of the group; then the inputs of the equations.
+        there, the size of the group; then the inputs of the equations. Where there is a closed form, its
+        inputs come first instead.
         """
         return self._make("closed", (closing, *of), sampled=True)
 
@@ -142,7 +144,7 @@ class Recorder:
         return self.made[key]
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)  # by identity: written out, the expressions in it would be all that they are of
 class Closing:
     """A larger group's constraints C, of m coordinates and of what else there is, and their Jacobian J, row by row."""
 
@@ -150,6 +152,12 @@ class Closing:
     C: Sequence[Expression]
     J: Sequence[Expression]
     at_zero: tuple[Sequence[Expression], Sequence[Expression]] = ((), ())  # both at the coordinates that were found
+    start: Sequence[Expression] = ()  # of inputs: the coordinates in closed form, where there is one
+
+    @cached_property
+    def begun(self) -> list[Expression]:
+        """The inputs that the closed form is of."""
+        return [one for one in needed(self.start) if one.operation == "input"]
 
     @cached_property
     def outer(self) -> list[Expression]:
@@ -189,6 +197,18 @@ def forward(make: Recorder, of: Sequence[Expression], given: Mapping[Expression,
             if change is not zero:
                 d[expression.order] = change
     return [d.get(expression.order, zero) for expression in of]
+
+
+def jacobian(make: Recorder, rows: Sequence[Expression], of: Sequence[Expression]) -> list[Expression]:
+    """Return the derivatives of expressions by some of what they are made of, row by row; most of them are zero."""
+    zero, known = make.constant(0.0), {one.order: {column: make.constant(1.0)} for column, one in enumerate(of)}
+    d = dict(known)
+    for expression in needed(rows, known):
+        by = [d.get(one.order, {}) for one in expression.operands]
+        if expression.order not in d and any(by):
+            changes = ((x, _rule(make, expression, [one.get(x, zero) for one in by])) for x in {*chain(*by)})
+            d[expression.order] = {x: change for x, change in changes if change is not zero}
+    return [d.get(row.order, {}).get(column, zero) for row in rows for column in range(len(of))]
 
 
 def _closed(make: Recorder, closed: Expression, d: Mapping[int, Expression]) -> Expression:

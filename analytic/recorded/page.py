@@ -14,8 +14,9 @@ from scenes.model.inputs import passing
 from ..core.groups.group_equations import Group
 from ..solve import solver
 from .arithmetics.loops import Language, Loop
+from .balances import BALANCE
 from .expressions import SIGNS, Expression
-from .program import BALANCE, recorded
+from .program import recorded
 from .traced import traced
 
 FIXED = ("drive.start",)  # positions are counted from there

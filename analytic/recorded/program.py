@@ -7,7 +7,7 @@ function theorem.
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial, reduce
 from math import inf
 from typing import Any
@@ -16,13 +16,12 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import ConstantSpeed, Friction, Moment, PressForce, Spring, TorsionSpring
+from scenes.scene import ConstantSpeed, Moment
 
 from ..channels import all_channels, asked, of_larger
 from ..core.decomposition import Linkage, decompose
 from ..core.dyads import bounded_rrr_position, rrr_position
 from ..core.elements import acts, wound
-from ..core.friction import Loads, Rubbing
 from ..core.geometry import as_complex
 from ..core.groups.continuation import Track
 from ..core.groups.group_equations import Group, size_of
@@ -30,14 +29,12 @@ from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
 from ..core.placing import RRRPosition
-from ..core.rubbing_joints import FrictionBalance
 from ..way.windings import attitude
 from .arithmetics.in_numpy import StraightLine
+from .balances import BoundedBalance, RecordedBalance, continued
+from .chained import balanced, chained
 from .expressions import Closing, Expression, Inputs, Recorder, forward
 from .traced import Traced, traced
-
-NEARLY_HALF = 3.0  # rad, of a turn
-BALANCE = "the balance with friction"  # of which a few steps may not find what is there
 
 
 @dataclass(frozen=True)
@@ -80,11 +77,17 @@ class Program:
 
 @np.errstate(all="ignore")  # of constants, as of samples
 def recorded(
-    scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None, *, proven: bool = False
+    scene: Scene,
+    paths: AbstractSet[str],
+    channels: AbstractSet[str] | None = None,
+    *,
+    proven: bool = False,
+    chain: bool = False,
 ) -> Program:
     """Record the core's own formulas of some channels, in which the numbers at `paths` stay open.
 
-    Where it is to be `proven` what they are, as an arithmetic of bounds takes them.
+    Where it is to be `proven` what they are, as an arithmetic of bounds takes them; dyads that hang on each other in a
+    `chain` as one system.
     """
     make = Recorder(proven=proven)
     numbers = {path: Traced(make, make.input(path, sampled=False)) for path in scene.numbers if path in paths}
@@ -96,7 +99,7 @@ def recorded(
     if isinstance(opened.drive.law, ConstantSpeed):
         driven = driven._replace(rate=traced(make, opened.drive.law.speed), acceleration=traced(make, 0.0))
     way = RecordedPass(make, opened, linkage, driven, rrr=bounded_rrr_position if proven else rrr_position)
-    k = way.solve().k
+    k = chained(make, opened, linkage, driven, way.by_time) if chain else way.solve().k
     on, loads = Reactions(), dict[str, Traced]()
     strokes: dict[str, tuple[Expression, Expression]] = {}
     if request.wants_forces(scene):
@@ -105,8 +108,12 @@ def recorded(
             strokes[place] = s, ds
         given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in strokes}
         given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
-        balance = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k)
-        on = balance.solve()
+        if chain and not scene.friction:
+            balance: RecordedBalance = balanced(make, opened, linkage, given, k)
+            on = balance.reactions
+        else:
+            balance = (BoundedBalance if proven else RecordedBalance)(opened, linkage, given, k)
+            on = balance.solve()
         loads = {
             f"loads.{number}": traced(make, next(acts(load, f"loads.{number}", balance))[1].force)
             for number, load in enumerate(opened.loads)
@@ -217,82 +224,3 @@ class RecordedPass(Pass):
         C = [*(gap.x for gap in gaps), *(gap.y for gap in gaps), *others]
         columns = [forward(self.make, C, {one: self.make.constant(1.0)}) for one in q]
         return C, [entry for row in zip(*columns, strict=True) for entry in row]
-
-
-class RecordedBalance(FrictionBalance):
-    """Balances everything as expressions."""
-
-    def settled(self, loads: Loads) -> Sequence[Any]:
-        """The frictions; the reach is negative where more than a few steps would be needed."""
-        w, bound = loads.solved()
-        self.contracts(bound)
-        return w
-
-    def contracts(self, bound: Any) -> None:
-        """Have the reach negative where a bound on a map's contraction is not below one."""
-        self.k.reach[f"{BALANCE} ({len(self.k.reach)})"] = chosen(bound < 1, 1.0, -1.0)
-
-    def larger(self, group: Group) -> None:
-        """Balance a larger group: the multipliers of its constraints, from the transpose of their Jacobian."""
-        J: Any = self.k.jacobian[group.P]
-        make: Recorder = self.k.reach[group.P].make  # type: ignore[attr-defined]
-        loads: list[Expression] = []
-        for body in group.bodies:
-            force, moment = (traced(make, x) for x in self.applied(body, self.scene.bodies[body].points[0]))
-            loads += [make("negative", one) for one in (force.x, force.y, moment.x)]
-        m = len(loads)
-        system = make.system([J[m * row + column] for column in range(m) for row in range(m)], loads)
-        self.spread(group, [Traced(make, make.component(system, i)) for i in range(m)])
-
-
-class BoundedLoads(Loads):
-    """The frictions of a group and its loads, whose method's steps are made without bounds: it may end anywhere."""
-
-    def about(self, number: Any) -> Any:
-        """A polynomial near the number."""
-        return Traced(number.make, number.make("middle", number.x))
-
-
-class BoundedBalance(RecordedBalance):
-    """Balances everything as expressions of which an arithmetic finds bounds; whole numbers in them are inputs."""
-
-    def settled(self, loads: Loads) -> Sequence[Any]:
-        """The friction forces after a few steps, with a bound on the truncation error.
-
-        The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
-        contraction of that difference.
-        """
-        w, _ = BoundedLoads(loads.rubbing, loads.X0, loads.S).solved()
-        self.contracts(loads.contraction)
-        slopes = [one.slope() for one in loads.rubbing]
-        left = [np.abs(one) for one in loads.open(w, slopes)[0]]
-        sizes = ([one.size(s) for s in row] for one, row in zip(loads.rubbing, loads.S, strict=True))
-        largest = reduce(np.maximum, (reduce(np.add, map(np.multiply, row, left)) for row in sizes))
-        off = largest / (1.0 - loads.contraction)
-        every = zip(w, left, slopes, strict=True)
-        return [Traced(x.make, x.make("within", x.x, (own + np.abs(slope) * off).x)) for x, own, slope in every]
-
-    def rubbing(self, one: Friction) -> Rubbing:
-        """A friction as it acts, of one sense at a time."""
-        rubbing = super().rubbing(one)
-        return replace(rubbing, sense=rubbing.sense.whole) if one.smooth is None else rubbing
-
-    def acting(self, load: PressForce, place: str) -> Any:
-        """Whether a press force acts."""
-        return super().acting(load, place).whole
-
-    def along(self, spring: Spring, d: Any) -> Any:
-        """The direction of a spring; none of one that pulls by k d, whose ends may meet."""
-        direction = super().along(spring, d)
-        return direction if spring.damping is not None else chosen(spring.length > 0, direction, 0.0)
-
-    def twisted(self, spring: TorsionSpring, place: str) -> Any:
-        """The angle of a torsion spring, by what it is roughly; not known where that may be half a turn off."""
-        return continued(self.given[place], self.k.u[spring.second] * self.k.u[spring.first].conjugate())
-
-
-def continued(rough: Any, u: Any) -> Any:
-    """The angle of a unit vector over whole turns, by what it is roughly; not known if that may be half a turn off."""
-    turned = u * np.exp(-1j * rough)
-    angle: Any = np.arctan2(turned.imag, turned.real)
-    return rough + angle / chosen(np.abs(angle) < NEARLY_HALF, 1.0, 0.0)

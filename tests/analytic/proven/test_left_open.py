@@ -110,8 +110,10 @@ def test_friction_that_contracts_is_enclosed(case: str) -> None:
     ("most", "count", "why"), [(100, 16, "100 boxes are too few"), (8000, 45, "16 digits are too few")]
 )
 def test_what_is_not_proven_has_a_reason(most: int, count: int, why: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Parallelograms in a row, where each dyad's bounds are some times as wide as those of the one before."""
+    """Parallelograms in a row, by closed forms, of which bounds are some times as wide as those of the one before."""
     monkeypatch.setattr("analytic.proven.boxes.MOST", most)
+    monkeypatch.setattr("analytic.proven.boxes.FEW", count)
+    monkeypatch.setattr("analytic.proven.boxes.ALONE", count)
     found = analytic.enclose(windows(count), frozenset({f"B{count}.x"}))
     assert found.open_at is not None
     assert why in found.why

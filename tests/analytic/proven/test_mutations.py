@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from analytic.recorded.arithmetics import box_line, taylor_models
+from analytic.recorded.arithmetics import systems, taylor_models
 from analytic.recorded.arithmetics.taylor_models import RULES, TaylorModel
 
 from .exact_values import Escape
@@ -84,8 +84,8 @@ LEFT_OUT: dict[str, tuple[tuple[Any, str, str, str], tuple[str, ...]]] = {
 }
 CONSTANTS = {"ROUNDED": (0.0, "add"), "FUNCTION": (0.0, "sin"), "UP": (1.0, "add"), "TINY": (0.0, "multiply")}
 SYSTEMS = {
-    "the rest of a matrix": (box_line, "contracted", "E.most + E.rest", "E.most"),
-    "the rest of what is open": (box_line, "contracted", "left.most + left.rest", "left.most"),
+    "the rest of a matrix": (systems, "gains", " + rest + ", " + "),
+    "the rest of what is open": (systems, "contracted", "left.most + left.rest", "left.most"),
 }
 
 
@@ -119,7 +119,7 @@ def test_what_is_left_out_of_equations_is_an_escape(what: str, monkeypatch: pyte
 def test_bounds_of_the_wrong_sign_are_no_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the sign's check a matrix that may be singular has a solution."""
     assert maybe_singular()
-    mutate(monkeypatch, Mutation(box_line, "contracted", "(d > 0) & ", ""))
+    mutate(monkeypatch, Mutation(systems, "contracted", "(d > 0) & ", ""))
     assert not maybe_singular()
 
 

@@ -1,15 +1,16 @@
 """Taylor models against exact arithmetic: no true value outside an enclosure, known where it can be, of third order."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
-from math import pi
+from math import isqrt, pi
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
-from analytic.recorded.arithmetics.box_line import BoxLine, solution
+from analytic.recorded.arithmetics.box_line import BoxLine
+from analytic.recorded.arithmetics.systems import Matrices, Matrix, stacked
 from analytic.recorded.arithmetics.taylor_models import RULES, TaylorModel, hull, parabola_most, point
 from analytic.recorded.expressions import Recorder
 
@@ -126,6 +127,13 @@ def systems(chance: np.random.Generator, k: int, count: int, least: float) -> li
         one.c[1:] = chance.uniform(-1, 1, (LIKE - 1, count)) * size * share ** np.array([[1], [2], [1], [1]])
         one.rest = size * np.maximum(share, least) * chance.uniform(0, 1, count) * chance.integers(0, 2, count)
     return [TaylorModel(one.c, one.rest) for one in entries]
+
+
+def solution(entries: Sequence[TaylorModel]) -> TaylorModel:
+    """The x of A x = b, given the entries of A, row by row, and of b."""
+    k, make = isqrt(len(entries)), Recorder()
+    places = Matrix([make.input(str(number), sampled=True) for number in range(k * k)])
+    return Matrices(places, stacked(entries[: k * k])).solution(stacked(entries[k * k :]))
 
 
 def solution_row(k: int, row: int, *values: Any) -> Any:
