@@ -48,18 +48,18 @@ def escaped(rule: str) -> list[Escape]:
 MODEL = TaylorModel
 LEFT_OUT: dict[str, tuple[tuple[Any, str, str, str], tuple[str, ...]]] = {
     "a sum's rounding": ((taylor_models, "_rounded", "ROUNDED * made.most", "0.0"), ("add", "subtract")),
-    "a product's rounding": ((MODEL, "__mul__", "ROUNDED * other.most", "0.0"), ("multiply",)),
+    "a product's rounding": ((MODEL, "__mul__", "ROUNDED * other_most", "0.0"), ("multiply",)),
     "what a product drops": ((MODEL, "__mul__", "dropped + ", ""), ("multiply",)),
     "a product of two slopes": ((MODEL, "__mul__", "c[2] += a[1] * b[1]", "pass"), ("multiply",)),
-    "a product of parameters": ((MODEL, "__mul__", " + self.beside * other.moving", ""), ("multiply",)),
-    "a product of two rests": ((MODEL, "__mul__", "(other.most + other.rest)", "other.most"), ("multiply",)),
+    "a product of parameters": ((MODEL, "__mul__", " + beside * other_moving", ""), ("multiply",)),
+    "a product of two rests": ((MODEL, "__mul__", "(other_most + other.rest)", "other_most"), ("multiply",)),
     "what underflows": ((MODEL, "__mul__", " + TINY", ""), ("multiply",)),
     "the third derivative": (
         (taylor_models, "_composed", " + third * D**3", ""),
         ("sin", "cos", "tanh", "sqrt", "divide", "arctan2"),
     ),
-    "what the square drops": ((taylor_models, "_composed", "2 * b + k", "k"), ("sin", "divide")),
-    "the square of a rest": ((taylor_models, "_composed", "2 * x.moving + rest", "0.0"), ("sin", "divide")),
+    "what the square drops": ((taylor_models, "_composed", "2 * sizes[1] + k", "k"), ("sin", "divide")),
+    "the square of a rest": ((taylor_models, "_composed", "2 * moving + rest", "0.0"), ("sin", "divide")),
     "a function's last place": (
         (taylor_models, "_composed", " + FUNCTION * np.abs(f0)", ""),
         ("sin", "cos", "tanh"),
