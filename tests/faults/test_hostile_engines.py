@@ -202,6 +202,12 @@ def test_a_forged_answer_is_a_row_of_its_own_engine(engines: list[str], capfd: p
     assert capfd.readouterr() == ("", "")
 
 
+def test_an_engine_reaches_no_process_of_another(_installed: Path) -> None:
+    """A worker that waits for its next task believes what comes as one, and it is a pickle."""
+    assert [run.status for run in judged(["own_names", "pickled"]).values()] == [Status.ok, Status.crashed]
+    assert not [*_installed.glob("mark-*")]
+
+
 @SLOW
 def test_wild_numbers_are_no_warning(tmp_path: Path) -> None:
     """Nor the end of a run whose warnings are errors."""
