@@ -89,7 +89,7 @@ def study(
     able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
     for name in (REFERENCE, *able):  # core, settings and motion laws: what all processes have a part of
         registry.engine(name)
-    _ = scene.drive.law.extent
+    _ = scene.pace
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
 

@@ -172,10 +172,15 @@ class Drive:
         return "drives between moving bodies" if self.slide is None else "cylinders that drive"
 
     @property
-    def travel(self) -> float:
-        """What its errors are shares of: one radian of a crank, the way of a slider, m."""
+    def span(self) -> float:
+        """How far apart its least and its largest position are, rad or m."""
         least, largest = self.law.extent
-        return 1.0 if self.slide is None else float(largest - least)
+        return float(largest - least)
+
+    @property
+    def unit(self) -> float:
+        """What its errors are shares of: one radian of a crank, the span of a slider, m."""
+        return 1.0 if self.slide is None else self.span
 
     def in_range(self, position: float) -> float:
         """A position, rad or m; of a crank that by whole turns next to the middle of its range.

@@ -107,7 +107,7 @@ class Timed(Protocol):
 def derivatives(law: Timed, time: ArrayLike, order: int) -> Samples:
     """A law's position and its derivatives by the time up to an order, four at most, shape (order + 1, ...)."""
     every = [*law.at(time), *(law.higher(time) if order > 2 else ())]
-    return np.array(every[: order + 1])
+    return np.array(np.broadcast_arrays(*every[: order + 1]))
 
 
 class Law(Timed, Protocol):

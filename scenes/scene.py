@@ -196,6 +196,11 @@ class Scene:
         return frozenset(kinds | {drive.kind for drive in self.drives if drive.kind})
 
     @cached_property
+    def driven(self) -> Mapping[str, Drive]:
+        """The drives by the bodies that they move."""
+        return {drive.body: drive for drive in self.drives}
+
+    @cached_property
     def drive(self) -> Drive:
         """The only drive, for what is a function of its position: tracks, ranges, dead points, assemblies."""
         (drive,) = self.drives
@@ -209,6 +214,16 @@ class Scene:
     def cycle(self) -> float:
         """How long one cycle takes, s."""
         return self.drive.law.cycle
+
+    @property
+    def pace(self) -> float:
+        """The largest peak rate of a drive, in rad/s or in spans a second."""
+        return max(drive.law.peak_rate / drive.unit for drive in self.drives)
+
+    @property
+    def steady(self) -> bool:
+        """Whether one drive of constant speed has it all, so that its position stands for the time."""
+        return all(isinstance(drive.law, ConstantSpeed) for drive in self.drives) and len(self.drives) == 1
 
     @property
     def periodic(self) -> bool:

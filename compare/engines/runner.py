@@ -284,7 +284,7 @@ def _check_rows(scene: Scene, request: Rows, motion: Motion) -> None:
         return
     rows = np.array([motion[channel] for channel in moves])
     repeated = (np.diff(rows) == 0).all(axis=0) & (
-        np.abs(np.diff(commanded)) > ON_TIME * np.ptp(scene.drive.law.extent)
+        np.abs(np.diff(commanded)) > ON_TIME * max(drive.span for drive in scene.drives)
     )
     if repeated.any():
         where = scene.where(float(commanded[1:][repeated.argmax()]))

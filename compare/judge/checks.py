@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion, Scene
+from scenes.drive import Drive
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND, Body
 
@@ -72,8 +74,10 @@ def checks(
     divided by; None where the motion's own projection shows it.
     """
     scene, state, places = mechanics.scene, MotionVectors(mechanics.scene, motion), mechanics.axis.of(motion)
-    asked = "radian" if scene.drive.slide is None else "travel"
-    violations = {("drive", scene.drive.body, asked): _drive(mechanics, motion)}
+    inputs, violations = inputs_of(scene, motion["time"]), dict[tuple[str, str, str], Samples]()
+    for number, drive in enumerate(scene.drives):
+        share = "radian" if drive.slide is None else "travel"
+        violations["drive", drive.body, share] = _off(drive, inputs.driven(number).position, motion)
     for body in scene.bodies.values():
         if motion.samples.keys() >= closed_by(scene, body):
             violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
@@ -101,12 +105,11 @@ def _flips(branch: Samples) -> Samples:
     return np.where(branch * first >= 0, 0.0, 1.0)
 
 
-def _drive(mechanics: Mechanics, motion: Motion) -> Samples:
-    """How far the drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
-    asked = mechanics.scene.drive.law.at(motion["time"]).position
-    way: Samples = np.maximum(mechanics.way, np.abs(asked - asked[:1]))
+def _off(drive: Drive, asked: Samples, motion: Motion) -> Samples:
+    """How far a drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
+    way: Samples = np.maximum(drive.unit, np.abs(asked - asked[:1]))
     rounding = ROUNDINGS * EPS * np.hypot(asked, 0.0)  # much of the travel of a slider far from where it is measured
-    return np.maximum(np.abs(motion[mechanics.scene.drive_channel] - asked) - rounding, 0.0) / way
+    return np.maximum(np.abs(motion[drive.channel] - asked) - rounding, 0.0) / way
 
 
 def closed_by(scene: Scene, body: Body) -> set[str]:
@@ -156,8 +159,9 @@ def estimate(
     more than the promise is left, of the projection when all numbers are off by their last places.
     """
     turns = np.ones_like(motion["time"])
-    if mechanics.scene.drive.slide is None:  # how often a crank has turned: its angle is rounded by as much more
-        turns = np.maximum(np.abs(motion[mechanics.scene.drive_channel]) / (2 * np.pi), 1)
+    for drive in mechanics.scene.drives:
+        if drive.slide is None:  # how often a crank has turned: its angle is rounded by as much more
+            turns = np.maximum(turns, np.abs(motion[drive.channel]) / (2 * np.pi))
     projection = projected(mechanics, motion, ends)
     closed, condition = projection.closed, projection.condition
     scale, far = scale or scales(mechanics, closed, travel), off_origin(mechanics, motion)

@@ -82,7 +82,7 @@ def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
 def _slope(reference: Reference, motion: Motion) -> Samples:
     """|dx/dq| of the output point over the drive's position q, but for a constant factor: its speed at a steady one."""
     scene = reference.scene
-    if not isinstance(scene.drive.law, ConstantSpeed):  # a law's rests are no toggles
+    if not scene.steady:  # a law's rests are no toggles
         steady = ConstantSpeed(1.0, *scene.drive.law.extent)
         velocity = frozenset((f"{scene.output}.vx", f"{scene.output}.vy"))
         steadily = registry.reference(scene.with_law(steady), velocity)

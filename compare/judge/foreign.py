@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from scenes import Failure, Instants, Motion, Settings, Status
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
@@ -78,7 +79,7 @@ def coarse(measured: Measurement) -> Iterator[str]:
 
 def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samples) -> Samples:
     """Where the drive is by the time, but for what its decimals, which excuse no other channel, do not explain."""
-    asked = mechanics.scene.drive.law.at(time).position
+    asked = inputs_of(mechanics.scene, time).driven().position
     off = position - asked
     left: Samples = np.sign(off) * np.maximum(np.abs(off) - np.minimum(half, MOST * mechanics.way), 0.0)
     return asked + left
@@ -99,7 +100,7 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
 
 def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, Samples]:
     """How far each channel moves while the instants are off as written, relative, shape (n,)."""
-    position, moved = np.abs(reference.scene.drive.law.at(true["time"]).rate) * time, dict[str, Samples]()
+    position, moved = np.abs(inputs_of(reference.scene, true["time"]).driven().rate) * time, dict[str, Samples]()
     for sign in (1, -1) if position.any() else ():
         with suppress(Failure):  # beyond the end of the drive
             other = reference.at(true[reference.scene.drive_channel] + sign * position, true["time"] + sign * time)
@@ -113,7 +114,7 @@ def _excused(
 ) -> list[Check]:
     """What checks find in a result's own motion; nothing where they find it in the reference's as it may be written."""
     draw, complete = np.random.default_rng(SEED), own.samples.keys() >= reference.mechanics.units.keys()
-    way = np.abs(reference.scene.drive.law.at(true["time"]).rate) * halves["time"]  # of the drive meanwhile
+    way = np.abs(inputs_of(reference.scene, true["time"]).driven().rate) * halves["time"]  # of the drive meanwhile
     halves = {**halves, reference.scene.drive_channel: way}
     off = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in own.samples}
 

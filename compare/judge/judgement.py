@@ -120,8 +120,7 @@ def _agree(reference: Reference, one: Run, other: Run) -> bool:
 
 def notes(scene: Scene) -> Iterator[str]:
     """Yield a sentence on a motion law that leaves its table, and on each plate or bar that is nearly the other."""
-    law = scene.drive.law
-    if isinstance(law, MotionLaw) and law.beyond > BEYOND:
+    for law in (drive.law for drive in scene.drives if isinstance(drive.law, MotionLaw) and drive.law.beyond > BEYOND):
         leaves = f"drives from {scene.between(law.extent)}, beyond its table's {scene.between(law.table)}"
         closer = "more rows where the motion changes keep it closer, 'segments' or 'harmonics' have no table to leave"
         yield f"the motion law's spline {leaves}: {closer}"
@@ -160,7 +159,7 @@ def point_masses(scene: Scene) -> Iterator[str]:
     """Yield a sentence on each cylinder and rod whose mass is taken to be at its one pin."""
     for name, slide in scene.slides.items():
         pair = [scene.bodies[each] for each in (name, slide.on) if each != GROUND]
-        if name in scene.turning and (name == scene.drive.body or all(len(body.points) == 1 for body in pair)):
+        if name in scene.turning and (name in scene.driven or all(len(body.points) == 1 for body in pair)):
             for body in (body for body in pair if body.mass and body.com is None and len(body.points) == 1):
                 yield f"{body.name} is taken for a point mass at {body.points[0]}, its only pin: give com and inertia"
 

@@ -82,11 +82,11 @@ def radii_of_gyration(reference: Reference) -> Iterator[str]:
 
 def pins(reference: Reference) -> Iterator[str]:
     """A pin's radius above half the length of one of its bars; of a crank that is driven, above all of its length."""
-    scene, driven = reference.scene, reference.scene.drive.body
+    scene = reference.scene
     for friction in (one for one in scene.friction if isinstance(one, PinFriction)):
         pin = friction.pin(scene)
         for body in (scene.bodies[name] for name in (pin.first, pin.second) if name != GROUND):
-            share = MAX_PIN * (2 if body.name == driven else 1)  # which may be an eccentric
+            share = MAX_PIN * (2 if body.name in scene.driven else 1)  # which may be an eccentric
             if friction.radius > share * _size(body) > 0:
                 radius, size = scene.length(friction.radius), scene.length(_size(body))
                 yield f"the pin at {friction.at} has a radius of {radius}, and {body.name} a length of {size}"
@@ -131,9 +131,9 @@ RULES: Sequence[Rule] = (gravity, coefficients, centres_of_mass, radii_of_gyrati
 
 def cycles_of(scene: Scene, load: Load) -> int:
     """How many cycles of the drive the period of a load's table has; one of others."""
-    law, table = scene.drive.law, load.table
-    lengths: Mapping[str, float] = {"drive": abs(float(law.after(1.0) - law.after(0.0))), "time": law.cycle}
-    if table is None or not (table.periodic and law.periodic and lengths.get(table.over)):
+    law, table = scene.drives[0].law, load.table  # by the first of which tables go
+    lengths: Mapping[str, float] = {"drive": abs(float(law.after(1.0) - law.after(0.0))), "time": scene.cycle}
+    if table is None or not (table.periodic and scene.periodic and lengths.get(table.over)):
         return 1
     return ceil(float(table.arguments[-1] - table.arguments[0]) / lengths[table.over] - PART)
 

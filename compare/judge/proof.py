@@ -194,5 +194,5 @@ def channels_of(scene: Scene, name: str, known: Iterable[str]) -> Sequence[str]:
 def place(scene: Scene, ends: tuple[float, float]) -> str:
     """A part of the drive's range, SI, as messages name it: where it is narrow, one place."""
     over, (low, high) = axis(scene), ends
-    wide = high - low > NARROW * (scene.cycle if over.channel == "time" else np.ptp(scene.drive.law.extent))
+    wide = high - low > NARROW * (scene.cycle if over.channel == "time" else max(drive.span for drive in scene.drives))
     return f"from {over.text(*ends)}" if wide else f"at {over.text((low + high) / 2)}"

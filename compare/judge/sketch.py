@@ -105,13 +105,14 @@ def warnings(reference: Reference) -> Iterator[str]:
     """
     scene, size, off = reference.scene, reference.mechanics.size, off_sketch(reference)
     far = {point: distance for point, distance in off.items() if not distance <= FAR * size}
-    driven, fits = {point for point in far if scene.drive.body in scene.owners[point]}, ""
+    driver = " and the ".join(scene.driven)
+    driven, fits = {point for point in far if not scene.driven.keys().isdisjoint(scene.owners[point])}, ""
     if driven:
         fit = registry.sketch_fit(scene)
         fits = _what_fits(scene, size, fit)
         driven = {*far} if fit and max(_off(scene, fit.there).values()) <= FAR * size else driven
     for points, what_follows in (
-        (driven, f"check that sketch.{_key(scene)} is where the {scene.drive.body} is drawn{fits}"),
+        (driven, f"check that sketch.{_key(scene)} is where the {driver} is drawn{fits}"),
         (far.keys() - driven, "it picks the assembly branch: check that they are drawn on the side meant"),
     ):
         if points:
@@ -165,7 +166,7 @@ def _turned(scene: Scene, places: Places) -> Iterator[tuple[float, str]]:
     """Yield by how much each body but the driven one is drawn turned, rad, where points of it show that."""
     for name, body in scene.bodies.items():
         known = [point for point in body.points if point in scene.drawn]
-        if name in scene.turning and name != scene.drive.body and len(known) > 1:
+        if name in scene.turning and name not in scene.driven and len(known) > 1:
             drawn = np.array([scene.drawn[point] for point in known])
             posed = np.array([places.get(point, scene.drawn[point]) for point in known])
             yield abs(phase(np.vdot(posed - posed.mean(), drawn - drawn.mean()))), name
@@ -190,12 +191,12 @@ def _nearest(scene: Scene) -> Places:
 
 
 def _key(scene: Scene) -> str:
-    return "angle" if scene.drive.slide is None else "displacement"
+    return "displacement" if any(drive.slide for drive in scene.drives) else "angle"
 
 
 def _given(scene: Scene) -> str:
     """Where the sketch has the drive."""
-    absent = " (taken where it is absent)" if scene.drive.slide is None and scene.sketch.drive == 0 else ""
+    absent = " (taken where it is absent)" if _key(scene) == "angle" and scene.sketch.drive == 0 else ""
     return f"sketch.{_key(scene)} = {scene.position(scene.sketch.drive)}{absent}"
 
 

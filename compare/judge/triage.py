@@ -133,7 +133,7 @@ def near_singular(reference: Reference, failed: Measurement) -> str:
     there = float(position[int(np.nanargmin(locks[joint]))])
     errors = np.max([*failed.comparison.actual.values()], axis=0)
     first = float(failed.comparison.position[int((~(errors <= ASTRAY * np.nanmax(errors))).argmax())])
-    off = first - there if scene.drive.slide is not None else remainder(first - there, tau)
+    off = first - there if scene.drive_channel != "crank_angle" else remainder(first - there, tau)
     if not abs(off) <= WINDOW * float(np.ptp(position)):
         return ""
     how = "takes another assembly from there" if failed.run.status is Status.wrong_branch else "is off from there"

@@ -4,11 +4,9 @@ import re
 from dataclasses import dataclass
 from math import ceil, floor, log10, pi
 
-import numpy as np
-
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, ConstantSpeed
+from scenes.scene import GROUND
 
 THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"  # at which no line ends
 MIN_PLACES = 2000  # of a cycle that its positions tell apart: a tenth of a degree, of a turn
@@ -42,11 +40,11 @@ class DriveAxis:
 
 def axis(scene: Scene) -> DriveAxis:
     """The drive's position at a constant speed; the time under a law, which may go to and fro."""
-    if not isinstance(scene.drive.law, ConstantSpeed):
+    if not scene.steady:
         factor, unit = prefixed(scene.cycle, "s")
         return DriveAxis("time", unit, "time", factor, _decimals(factor * scene.cycle))
     unit, size = ("deg", pi / 180) if scene.drive.slide is None else scene.units["length"]
-    span = float(np.ptp(scene.drive.law.extent))
+    span = scene.drive.span
     return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size, _decimals(span / size))
 
 
@@ -63,7 +61,7 @@ def position_name(scene: Scene) -> str:
 
 def turns_fully(scene: Scene) -> bool:
     """Whether a crank turns for ever at constant speed, so that a cycle is a turn."""
-    return scene.drive.slide is None and isinstance(scene.drive.law, ConstantSpeed) and scene.periodic
+    return scene.drive.slide is None and scene.steady and scene.periodic
 
 
 def cycle_name(scene: Scene) -> str:

@@ -94,5 +94,6 @@ def largest_length(scene: Scene) -> float:
     ground = [complex(*place) for point, place in scene.ground.items() if point in joined]
     known = [length for body in scene.bodies.values() for length in distances(body).values()]
     known += [abs(p - q) for p in ground for q in ground]
-    known += map(abs, scene.drive.law.extent if scene.drive.slide is not None and scene.drive.on != GROUND else ())
-    return max(known, default=0.0) or float(np.ptp(scene.drive.law.extent))
+    cylinders = (drive.law for drive in scene.drives if drive.slide is not None and drive.on != GROUND)
+    known += (abs(end) for law in cylinders for end in law.extent)
+    return max(known, default=0.0) or max(drive.span for drive in scene.drives)

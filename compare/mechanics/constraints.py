@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.constraints import blocks, groups
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Slide
 
@@ -82,9 +83,10 @@ class Constraints:
         for name, guide in scene.slides.items():
             yield Constraint(name, guide.on, 0, self._through(guide), 1j * complex(*guide.along), guide.on)
             yield Constraint(name, guide.on)
-        slide, on = scene.drive.slide, scene.drive.on
-        line = () if slide is None else (0, self._through(slide), complex(*slide.along), on)
-        yield Constraint(scene.drive.body, on, *line)
+        for drive in scene.drives:
+            slide = drive.slide
+            line = () if slide is None else (0, self._through(slide), complex(*slide.along), drive.on)
+            yield Constraint(drive.body, drive.on, *line)
 
     def _through(self, slide: Slide) -> complex:
         """Where a guide passes, m, from the first point of the body that has it, or from the ground's origin."""
@@ -111,7 +113,8 @@ class Constraints:
         q = q - np.where(np.isfinite(step), step, 0.0)
         J = self.jacobian(q)
         inverse = self._solve(J, np.broadcast_to(np.eye(len(self.units)), J.shape))
-        _, rate, acceleration = (of[:, np.newaxis] / self.units[-1] for of in self.scene.drive.law.at(motion["time"]))
+        driven = inputs_of(self.scene, motion["time"]).driven()
+        _, rate, acceleration = (of[:, np.newaxis] / self.units[-1] for of in driven)
         v = (inverse[:, :, -1] * rate).reshape(q.shape)
         bending = (inverse @ self.bending(q, v)[..., np.newaxis])[..., 0]
         a = (inverse[:, :, -1] * acceleration - bending).reshape(q.shape)

@@ -16,6 +16,7 @@ from scenes.elements.friction import Friction, GuideFriction, PinFriction
 from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TabledLoad, TableForce
 from scenes.elements.springs import Spring, TorsionSpring
 from scenes.elements.tables import LoadCurve
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
@@ -138,7 +139,7 @@ def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     motion = solve(places, np.zeros_like(places))
     turning = (signs[name] * motion[f"{name}.angle"] for name in signs if name in scene.turning)
     angles = np.unwrap(sum(turning, np.zeros_like(places)))
-    start = float(np.interp(scene.drive.law.at(0.0).position, places, angles))
+    start = float(np.interp(inputs_of(scene, 0.0).driven().position, places, angles))
     return places, angles - 2 * pi * ceil((start - pi - HAIR) / (2 * pi))
 
 
@@ -226,10 +227,10 @@ def of_joints(state: MotionVectors) -> Iterator[Push]:
     for name, slide in scene.slides.items():
         across = motion[f"{name}.guide_force"] * 1j * state.along(scene.bodies[name])
         between.append((name, slide.on, scene.bodies[name].points[0], across, motion[f"{name}.guide_moment"]))
-    driven, effort = scene.bodies[scene.drive.body], motion[scene.effort_channel]
-    turns = driven.slide is None
-    push: Vectors = np.zeros(effort.shape, np.complex128) if turns else effort * state.along(driven)
-    between.append((driven.name, scene.drive.on, driven.points[0], push, effort if turns else 0.0))
+    for drive in scene.drives:
+        driven, effort, turns = scene.bodies[drive.body], motion[drive.effort_channel], drive.slide is None
+        push: Vectors = np.zeros(effort.shape, np.complex128) if turns else effort * state.along(driven)
+        between.append((driven.name, drive.on, driven.points[0], push, effort if turns else 0.0))
     for on, other, point, force, moment in between:
         at = state.place(point)
         both = Push(on, force, at, moment), Push(other, -force, at, -moment)
@@ -242,7 +243,10 @@ def power_of(state: MotionVectors, push: Push) -> Samples:
 
 
 def drive_power(state: MotionVectors) -> Samples:
-    """The power of the drive, W: its torque or force by the rate of its body against that on which it stands."""
-    body, on = state.scene.bodies[state.scene.drive.body], state.scene.drive.on
-    rate = state.turning(body.name)[1] - state.turning(on)[1] if body.slide is None else state.sliding(body)
-    return state.motion[state.scene.effort_channel] * rate
+    """The power of the drives, W: a torque or force by the rate of its body against that on which it stands."""
+    power = []
+    for drive in state.scene.drives:
+        body, turns = state.scene.bodies[drive.body], drive.slide is None
+        rate = state.turning(body.name)[1] - state.turning(drive.on)[1] if turns else state.sliding(body)
+        power.append(state.motion[drive.effort_channel] * rate)
+    return np.asarray(np.sum(power, axis=0), np.float64)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import Friction, PinFriction
 
@@ -30,7 +31,9 @@ def resting(state: MotionVectors) -> NDArray[np.bool_]:
     scene = state.scene
     turning = np.max([np.abs(state.turning(body)[1]) for body in scene.bodies], axis=0)
     moving = np.max([np.abs(state.place(point, "v")) for point in scene.moving_points], axis=0)
-    slow = np.abs(scene.drive.law.at(state.motion["time"]).rate) <= SLOW * scene.drive.law.peak_rate
+    inputs = inputs_of(scene, state.motion["time"])
+    rates = [inputs.driven(number).rate / drive.law.peak_rate for number, drive in enumerate(scene.drives)]
+    slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= SLOW
     for one in scene.friction:
         if one.smooth is None:
             slow |= np.abs(rate(state, one)) <= SLOW * (turning if isinstance(one, PinFriction) else moving)

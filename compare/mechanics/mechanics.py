@@ -52,13 +52,7 @@ class Mechanics:
     @property
     def way(self) -> float:
         """What the drive's position is measured by: 1 rad, or the travel of a slider that is driven, m."""
-        least, largest = self.scene.drive.law.extent
-        return 1.0 if self.scene.drive.slide is None else largest - least
-
-    @property
-    def rate(self) -> float:
-        """The drive's peak rate over its `way`, 1/s."""
-        return self.scene.drive.law.peak_rate / self.way
+        return max(drive.unit for drive in self.scene.drives)
 
     @cached_property
     def constraints(self) -> Constraints:
@@ -101,7 +95,7 @@ class Mechanics:
         A position that passes through zero is no better known there than where it is a thousandth of its range.
         """
         position, time = motion[self.scene.drive_channel], motion["time"]
-        off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * np.ptp(self.scene.drive.law.extent))
+        off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * max(drive.span for drive in self.scene.drives))
         for number in range(DRAWS):
             sign = (-1) ** number
             yield position + sign * off, time * (1 + sign * ULPS * EPS)

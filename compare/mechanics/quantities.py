@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Scene
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import UNITS, quantity, unit_of
 from scenes.scene import SI
 
@@ -38,13 +39,13 @@ def units(reference: Reference) -> Units:
 
     The size of places is their travel, of rates and forces their peak, of work what the drive's power amounts to.
     """
-    cycle, law, sizes = reference.cycle, reference.scene.drive.law, list[tuple[str, float]]()
+    cycle, scene, sizes = reference.cycle, reference.scene, list[tuple[str, float]]()
     for channel, size in reference.scale.items():
         unit = UNITS[quantity(channel)]
         sizes.append((unit, float(magnitude(cycle, channel).max()) if unit in RATES and channel in cycle else size))
     if (effort := reference.scene.effort_channel) in cycle:
-        power = np.abs(cycle[effort] * law.at(cycle["time"]).rate)
-        sizes += [("W", float(power.max())), ("J", float(power.mean()) * law.cycle)]
+        power = np.abs(cycle[effort] * inputs_of(scene, cycle["time"]).driven().rate)
+        sizes += [("W", float(power.max())), ("J", float(power.mean()) * scene.cycle)]
     return suited(reference.scene.units, sizes)
 
 

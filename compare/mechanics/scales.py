@@ -37,7 +37,7 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
         peaks[f"{slider}.guide_moment"] = max(peaks[f"{slider}.guide_moment"], natural)  # often zero by symmetry
     for one in mechanics.scene.friction:
         arm = 1.0 if isinstance(one, PinFriction) else max(travel.values())
-        if np.abs(rate(MotionVectors(mechanics.scene, motion), one)).max() <= REST * arm * mechanics.rate:
+        if np.abs(rate(MotionVectors(mechanics.scene, motion), one)).max() <= REST * arm * mechanics.scene.pace:
             peaks[one.channel(mechanics.scene)] = 0.0  # noise, of a joint that never moves
     terms = magnitudes(MotionVectors(mechanics.scene, motion), mechanics.size) if peaks else {}
     strongest = max((float(term.max()) for term in terms.values()), default=0.0)
@@ -46,7 +46,7 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
 
 def _kinematic(mechanics: Mechanics, travel: Mapping[str, float]) -> dict[str, float]:
     """What errors of all channels but forces are divided by."""
-    scene, w = mechanics.scene, mechanics.rate
+    scene, w = mechanics.scene, mechanics.scene.pace
     scale = {"time": scene.cycle, scene.drive_channel: mechanics.way}
     scale |= {f"{point}.{of}": T * w**power for point, T in travel.items() for of, power in POWERS.items()}
     return scale | {f"{body}.{of}": w**power for body in scene.turning for power, of in enumerate(TURNING)}
@@ -67,7 +67,7 @@ def force_scales(
     """
     largest = max(strongest, *peaks.values()) if peaks else 0.0
     heaviest = max(body.mass or 0.0 for body in mechanics.scene.bodies.values())
-    natural = heaviest * max(travel.values()) * mechanics.rate**2
+    natural = heaviest * max(travel.values()) * mechanics.scene.pace**2
     known = _kinematic(mechanics, travel)
     still = (np.abs(motion[c]).max() <= REST * known[c] for c in motion.samples if c in known and c.endswith(SECOND))
     if largest <= REST * natural and all(still):

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, InputError, Scene
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
@@ -50,7 +51,7 @@ def proposed(scene: Scene, text: str) -> str:
         raise InputError(f"{scene.file}: {failure.reason}") from None
     rest = [k for k, name in enumerate(names) if name != axis.column]
     time = axis.time + axis.lag
-    true = solve(scene.drive.law.at(time).position, time).samples
+    true = solve(inputs_of(scene, time).driven().position, time).samples
     turn = _turn(true, columns[rest])
     own = {c: np.unwrap(true[c]) if quantity(c) == "angle" else true[c] for c in channels(scene)[2:]}
     ways = []
@@ -130,7 +131,7 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
     def left(axis: Axis, lag: float) -> Samples:
         """Return the shares of the squares of columns that the channels leave."""
         try:
-            true = solve(scene.drive.law.at(axis.time + lag).position, axis.time + lag).samples
+            true = solve(inputs_of(scene, axis.time + lag).driven().position, axis.time + lag).samples
         except Failure:
             return np.ones(len(names))
         leaves, moves = [np.ones(len(names))], moving({c: true[c] for c in channels(scene)[2:]})

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Scene
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import UNITS, Samples, channels, quantity
 
 from .frame import KNOWN, LENGTHS, OF_ANGLES
@@ -70,7 +71,7 @@ def as_toml(
     if axis.channel == "time":
         yield _line("time", axis.column, axis.unit, 1, -axis.lag / KNOWN["s"][axis.unit], "s")
     else:  # which the frame turns too
-        zero = (turn - axis.lag * float(scene.drive.law.at(0.0).rate)) / OF_ANGLES[axis.unit]
+        zero = (turn - axis.lag * float(inputs_of(scene, 0.0).driven().rate)) / OF_ANGLES[axis.unit]
         yield _line(axis.channel, axis.column, axis.unit, -1 if mirrored else 1, zero, "rad")
     sure = {  # in a known unit, and far better than by the next best channel
         pair.channel

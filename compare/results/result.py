@@ -16,6 +16,7 @@ from scenes import Failure, InputError, Instants, Motion, Scene, Settings, Statu
 from scenes.errors import at_place, nearest, one_line
 from scenes.fields import NAME
 from scenes.file.units import factor
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import TRANSMISSION, UNITS, Samples, channels, force_channels, magnitudes, quantity
 from scenes.scene import GROUND, ConstantSpeed
 
@@ -123,7 +124,7 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     table, left_out = table.complete(_named(given).column for given in mapping.columns.values())
     numbers, rows = np.array(table.rows), len(table.rows)
     columns, halves = _in_si(table, mapping)
-    _to_frame(columns, halves, mapping, relative=scene.drive.on != GROUND)
+    _to_frame(columns, halves, mapping, relative=any(drive.on != GROUND for drive in scene.drives))
     to_guides(scene, columns, halves, mapping.promise)
     _on_this_side(scene, columns, mapping.other_side)
     if mapping.backwards:
@@ -141,14 +142,14 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     own = frozenset(columns) - {"time", by}
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {by} at least")
-    drive = scene.drive.law.at(columns["time"]).position
+    drive = inputs_of(scene, columns["time"]).driven().position
     cycles = f"{np.ptp(columns['time']) / scene.cycle:.2g}"
     length = f"{cycles} cycle{'s' * (cycles != '1')} of the drive"
     over = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
     notes.insert(0, f"{name} has {rows} {over}")
     if (count := len(own.intersection(known))) < len(known) - 2:
         notes.append(f"{name} gives {count} of {len(known) - 2} channels; it was not asked for the others")
-    if by in columns and scene.drive.slide is None:  # counted on from turn to turn, whatever turn each row is in
+    if by in columns and by == "crank_angle":  # counted on from turn to turn, whatever turn each row is in
         columns[by] += 2 * np.pi * np.round((drive - columns[by]) / (2 * np.pi))
     if not with_drive:
         notes.append(f"{name} gives no {by}; it is taken as commanded")
@@ -174,7 +175,7 @@ def _readable(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
     if angles:  # the reference knows at which joints they are
         with suppress(Failure):
             time = np.zeros(1)
-            found = registry.reference(scene)(scene.drive.law.at(time).position, time)
+            found = registry.reference(scene)(inputs_of(scene, time).driven().position, time)
             angles = [channel for channel in found.samples if quantity(channel) == TRANSMISSION]
     return (*channels(scene), *magnitudes(scene), *guide_components(scene), *angles)
 

@@ -75,7 +75,7 @@ def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
     motion = solve(lowest(scene) + STEP * np.arange(TURN.samples, dtype=float), TURN.times(scene)[:-1])
-    height, rate = motion[y] - motion[y][0], np.abs(motion[vy]) / scene.drive.law.peak_rate
+    height, rate = motion[y] - motion[y][0], np.abs(motion[vy]) / scene.pace
     highest = int(height.argmax())
     after, before = np.arange(highest + 1), -np.arange(TURN.samples - highest + 1)
     return Press(*(Side(STEP * np.abs(rows), height[rows], rate[rows]) for rows in (before, after)))

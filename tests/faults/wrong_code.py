@@ -46,7 +46,7 @@ COMPARISON = {
     "compare.judge.measure": ("assess", "Gate.missed", "gates", "missed"),
     "compare.judge.verdict": ("limits", "judged", "compared"),
     "compare.judge.errors": ("compare", "error_table", "worst_of"),
-    "compare.judge.checks": ("checks", "_drive", "_gaps", "_balances", "_newton_euler", "_peaks", "_flips"),
+    "compare.judge.checks": ("checks", "_off", "_gaps", "_balances", "_newton_euler", "_peaks", "_flips"),
     "compare.mechanics.elements": ("inertial", "power_of"),
     "compare.mechanics.round_off": ("Explained.left_over", "Explained.error"),
     "compare.engines.runner": ("complete", "_check_complete", "_check_rows"),

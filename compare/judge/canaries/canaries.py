@@ -86,7 +86,7 @@ def _lagging(copy: noticed.Thinned) -> bool:
 def _another_mass(copy: noticed.Thinned) -> bool:
     """Whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
     scene, forces = copy.scene, force_channels(copy.scene) + friction_channels(copy.scene)
-    body = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0))
+    body = max(scene.bodies.values(), key=lambda body: (body.name not in scene.driven, body.mass or 0.0))
     heavier = put(scene, {("bodies", body.name): replace(body.weighed, mass=(body.mass or 0.0) + 1.0)})
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]
     right, wrong = (registry.reference(of, frozenset(forces))(position, time) for of in (scene, heavier))

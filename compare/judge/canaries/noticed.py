@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, Motion, Sampling, Status
+from scenes.drive import Drive
 from scenes.model.motion import Samples, channels, force_channels, quantity
 
 from ...engines.runner import Run, complete
@@ -156,16 +157,20 @@ def _across_is_open(copy: Thinned, off: Mapping[str, Samples]) -> bool:
 
 
 def _balances_notice(copy: Thinned, times: float) -> bool:
-    """Whether each balance finds a force on the driven body far above all, and a couple above its moment."""
-    scene, (*others, effort), driven = copy.scene, force_channels(copy.scene), copy.scene.drive.body
+    """Whether each balance finds a force on a driven body far above all, and a couple above its moment."""
+    return all(_balance_notices(copy, times, drive) for drive in copy.scene.drives)
+
+
+def _balance_notices(copy: Thinned, times: float, drive: Drive) -> bool:
+    scene, (*others, effort), driven = copy.scene, force_channels(copy.scene), drive.body
     force = times * max(float(copy.sizes[channel].max()) for channel in (*others, effort))
     couple = ARMS * force * copy.reference.mechanics.size
-    if scene.drive.slide is None:
+    if drive.slide is None:
         joint = next(f"{pin.channel}.fx" for pin in scene.pins if driven in (pin.first, pin.second))
         both: dict[str, Samples | float] = {joint: force, effort: couple}
         power: dict[str, Samples | float] = {effort: couple}
     else:
-        both, ends = {effort: force, f"{driven}.guide_moment": couple}, (driven, scene.drive.on)
+        both, ends = {effort: force, f"{driven}.guide_moment": couple}, (driven, drive.on)
         point = next(p for p in (scene.bodies[name].points[0] for name in ends) if p in scene.moving_points)
         along = MotionVectors(scene, copy.true).along(scene.bodies[driven])
         way = ((f"{point}.vx", along.real), (f"{point}.vy", along.imag))

@@ -19,8 +19,7 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
     Travels and peaks are those of one cycle of the drive, `true` is the motion at the instants asked for, shape (n,);
     errors of a force that is nothing beside the others are relative to what they are `otherwise`, by channel.
     """
-    whole, way, (least, largest) = np.ones_like(true["time"]), true[scene.drive_channel], scene.drive.law.extent
-    travel = 1.0 if scene.drive.slide is None else largest - least
+    whole = np.ones_like(true["time"])
     paths = {point: cycle[f"{point}.x"] + 1j * cycle[f"{point}.y"] for point in scene.moving_points}
     reach = {point: 2 * float(np.abs(path - path.mean()).max()) for point, path in paths.items()}  # T to 2 T
     by_channel = {}
@@ -28,7 +27,7 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
         kind, name = quantity(channel), channel.partition(".")[0]  # a body may have the name of a point
         order, point = ORDERS.get(kind, 0), kind[-1] in "xy"
         unit = max(reach[name], LEAST * max(reach.values())) if point else 1.0
-        scale = unit * (scene.drive.law.peak_rate / travel) ** order
+        scale = unit * scene.pace**order
         by_channel[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
     forces = (channel for channel in force_channels(scene) + friction_channels(scene) if channel in cycle)
     peaks = {channel: float(length(cycle, channel).max()) for channel in forces}
@@ -40,7 +39,8 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
     for channel, peak in peaks.items():
         least_peak = NOTHING * max(otherwise[channel], *peaks.values())  # of no force: what loads leave that balance
         by_channel[channel] = whole * (peak if peak > least_peak else otherwise[channel])
-    return by_channel | {scene.drive_channel: np.maximum(travel, np.abs(way - way[0]))}
+    ways = {drive: true[drive.channel] - true[drive.channel][0] for drive in scene.drives}
+    return by_channel | {drive.channel: np.maximum(drive.unit, np.abs(way)) for drive, way in ways.items()}
 
 
 def length(motion: Motion, channel: str) -> Samples:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Rows, Scene
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples, quantity
 
 from ...engines import registry
@@ -92,9 +93,9 @@ class Evidence:
     def late(self, by: float) -> Channels:
         """Return the motion as if all were late by a time, s; nothing where there is no motion."""
         if by not in self._late:
-            law, time = self.scene.drive.law, self.true["time"] - by
-            time = time if law.periodic else np.clip(time, 0.0, law.cycle)
-            self._late[by] = self.solved(self.scene, law.at(time).position, time)
+            scene, time = self.scene, self.true["time"] - by
+            time = time if scene.periodic else np.clip(time, 0.0, scene.cycle)
+            self._late[by] = self.solved(scene, inputs_of(scene, time).driven().position, time)
         return self._late[by]
 
     @cached_property

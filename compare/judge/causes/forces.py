@@ -18,6 +18,7 @@ from scenes import Motion
 from scenes.elements.friction import Friction, GuideFriction, PinFriction
 from scenes.elements.loads import Force, Load, Moment, TableForce
 from scenes.elements.springs import TorsionSpring
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import GROUND
 
@@ -185,7 +186,7 @@ def _shares(carried: Carried) -> Iterator[Hypothesis]:
 def _friction(carried: Carried) -> Iterator[Hypothesis]:
     """Yield friction in guides and pins; and what the drive's effort alone has, its own or by power lost in a joint."""
     scene, evidence, fits = carried.scene, carried.evidence, []
-    rate = scene.drive.law.at(evidence.true["time"]).rate
+    rate = inputs_of(scene, evidence.true["time"]).driven().rate
     per_rate = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate != 0)
     efforts = {("drive", "dry"): np.sign(rate), ("drive", "viscous"): rate}
     damped = {spring.at for spring in scene.torsion_springs if spring.damping is not None}  # which is another number

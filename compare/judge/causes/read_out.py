@@ -7,6 +7,7 @@ from math import pi
 
 import numpy as np
 
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import UNITS, Samples, quantity
 from scenes.scene import GROUND
 
@@ -100,7 +101,7 @@ def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     for q in quantities:  # of angles, which count modulo one turn, on the circle
         own = np.array([off[c] for c in channels if quantity(c) == q])
         by[q] = float(np.angle(np.mean(np.exp(1j * own))) if q in ANGLES else np.mean(own))
-    rate = evidence.scene.drive.law.at(evidence.true["time"]).rate
+    rate = inputs_of(evidence.scene, evidence.true["time"]).driven().rate
     if part.place == "drive" and by.keys() <= {"torque", "force"} and (rate * sum(by.values()) > 0).all():
         return  # friction of the drive
     kind = Kind.drive if channels == (evidence.drive,) else Kind.offset

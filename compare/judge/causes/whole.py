@@ -74,7 +74,7 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
         text = "all lengths are in {one} in place of {two}" if unit else "all lengths are {times}"
         causes.append(Cause(Kind.unit, "all", text, (factor,), (unit, "m"), all_lengths))
     if causes:
-        relative = evidence.scene.drive.on != GROUND
+        relative = any(drive.on != GROUND for drive in evidence.scene.drives)
         other = seen(Frame(angle, b, mirrored, factor, relative), {c: evidence.true[c] for c in evidence.names})
         predicted = {c: own for c, own in other.items() if c != evidence.drive or evidence.off[c] > LEAST}
         freedom = bool(angle) + 2 * bool(b) + (not unit)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import UNITS, Samples, quantity
 from scenes.scene import GROUND
 
@@ -60,7 +61,7 @@ def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[Cyc
 
 def driving(scene: Scene, effort: Samples, motion: Motion) -> tuple[Samples, Samples, Samples]:
     """How large the drive's effort is, negative against its motion; its power, W; its rate; each of shape (..., n)."""
-    rate = scene.drive.law.at(motion["time"]).rate
+    rate = inputs_of(scene, motion["time"]).driven().rate
     with_motion = np.abs(effort) * np.sign(np.where(rate == 0, 1.0, effort * rate))  # what holds still drives
     return with_motion, effort * rate, rate
 
@@ -90,10 +91,10 @@ def _forces(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
         across, angle = 1j * guide.along[0] - guide.along[1], f"{guide.on}.angle" if guide.on in scene.turning else ""
         yield CycleCurve("guide_force", name, {force: across}, scale[force], angle=angle)
         yield CycleCurve("guide_moment", name, {moment: 1}, scale[moment])
-    slide = scene.drive.slide
-    channel, along = ("drive.torque", None) if slide is None else ("drive.force", complex(*slide.along))
-    along = along if scene.drive.on == GROUND else None  # along a guide that swings it has no one direction
-    yield CycleCurve("effort", scene.drive.body, {channel: 1}, scale[channel], along=along)
+    for drive in scene.drives:
+        fixed, channel = drive.slide if drive.on == GROUND else None, drive.effort_channel
+        along = complex(*fixed.along) if fixed else None  # along a guide that swings it has no one direction
+        yield CycleCurve("effort", drive.body, {channel: 1}, scale[channel], along=along)
 
 
 def _singular(motion: Motion) -> Iterator[CycleCurve]:

@@ -8,6 +8,7 @@ from math import nan
 import numpy as np
 
 from scenes import Motion, Request, Sampling
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
@@ -55,7 +56,7 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
         return []
 
     def solve(time: Samples) -> Motion:
-        return reference.at(scene.drive.law.at(time).position, time)
+        return reference.at(inputs_of(scene, time).driven().position, time)
 
     late = reference.cycle.late.intersection(channel for curve in followed for channel in curve.channels)
     cycle = Motion({**reference.cycle.prompt.samples, **{channel: _lows(reference, channel) for channel in late}})

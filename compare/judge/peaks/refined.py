@@ -12,8 +12,9 @@ import numpy as np
 
 from scenes import Failure, Motion, Scene
 from scenes.elements.tables import LoadCurve
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
-from scenes.scene import ConstantSpeed, MotionLaw, SegmentedLaw
+from scenes.scene import MotionLaw, SegmentedLaw
 
 from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
@@ -32,8 +33,8 @@ def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
 
     So is the rate of a law where its drive turns round: what drove until then brakes.
     """
-    if not isinstance(scene.drive.law, ConstantSpeed):
-        yield scene.drive.law.at(motion["time"]).rate
+    if not scene.steady:
+        yield inputs_of(scene, motion["time"]).driven().rate
     for name, table in _tables(scene):
         over = argument(MotionVectors(scene, motion), name, table)
         half_turn = pi / (table.arguments[-1] - table.arguments[0])  # of a sine that is zero once a period
@@ -69,7 +70,7 @@ def refined(
     further apart than a step, s; None where that is not followed. Where neither press forces nor friction may jump,
     `bare` leaves out the samples on either side of the last places, which are for lines between samples.
     """
-    repeats, by_parts = scene.periodic, isinstance(scene.drive.law, MotionLaw | SegmentedLaw)
+    repeats, by_parts = scene.periodic, any(isinstance(drive.law, MotionLaw | SegmentedLaw) for drive in scene.drives)
     jump = by_parts or bool(scene.presses)  # whether forces may jump, or bend at any place, within the cycle
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if jump else 1  # samples on either side of a place
@@ -114,7 +115,7 @@ def heights(scene: Scene, followed: Sequence[CycleCurve], motion: Motion) -> Ite
         values = curve.values(motion)
         if curve.kind in ("displacement", "effort"):
             yield from (values, -values)
-            if curve.kind == "effort" and not isinstance(scene.drive.law, ConstantSpeed):
+            if curve.kind == "effort" and not scene.steady:
                 with_motion, power, _ = driving(scene, values, motion)
                 yield from (with_motion, -with_motion, power, -power)
         elif curve.kind == "path":

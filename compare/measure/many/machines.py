@@ -16,6 +16,7 @@ import numpy as np
 
 from scenes import Motion, Scene, Status, numbers_in
 from scenes.file.changes import numbers_of
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from ...engines import registry
@@ -111,7 +112,7 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
     terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]
     time = np.unique([instant for own in terms for _, instant, _ in own])
     wanted = frozenset(channel for curve in quantities for channel in curve.channels)
-    position = scene.drive.law.at(time).position
+    position = inputs_of(scene, time).driven().position
     by = {**registry.derivatives(scene, paths, position, time, wanted)}
     if left := wanted - by.keys():  # how far larger groups are from a singular pose
         by |= _by_differences(scene, paths, position, time, left)

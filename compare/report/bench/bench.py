@@ -114,11 +114,11 @@ class Bench:
             yield {"ground": [at.get(f"ground.points.{point}.{q}", -1) for q in range(2)]}
             return
         owners = [scene.bodies[name] for name in scene.owners[point]]
-        if any(body.slide is not None and (len(body.points) > 1 or body.name == scene.drive.body) for body in owners):
+        if any(body.slide is not None and (len(body.points) > 1 or body.name in scene.driven) for body in owners):
             return
-        for body in sorted(owners, key=lambda body: (body.name != scene.drive.body, body.slide is None)):
+        for body in sorted(owners, key=lambda body: (body.name not in scene.driven, body.slide is None)):
             pairs, places = {other: _length(body, point, other) for other in body.points}, _coordinates(body, point)
-            axis = body.points[:2] if body.name == scene.drive.body else ()  # whose angle is the drive's
+            axis = body.points[:2] if body.name in scene.driven else ()  # whose angle is the drive's
             yield {
                 "body": body.name,
                 "pivot": next((other for other in axis if other != point), "") if point in axis else "",

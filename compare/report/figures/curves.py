@@ -102,7 +102,7 @@ def _all_panels(reference: Reference) -> Iterator[Panel]:
         title = ", ".join(f"{own.name} [{own.unit}]" for own in curves)
         yield Panel(f"Guide: force and moment on {body}", title, curves, judged)
     drive = curve(quantity(scene.effort_channel), scene.effort_channel)
-    title = f"Drive: {drive.name} on {scene.drive.body}"
+    title = f"Drive: {drive.name} on {', '.join(scene.driven)}"
     yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [scene.effort_channel])
 
 

@@ -59,7 +59,7 @@ def error_axes(figure: Figure, across: str, error: str = "relative error [-]") -
 
 def drive_axes(figure: Figure, scene: Scene, turns: int = 1, titled: int | None = None) -> None:
     """Let time run from left to right over the drive's position; only the panel `titled` gets the title, or all."""
-    backwards = isinstance(scene.drive.law, ConstantSpeed) and scene.drive.law.speed < 0
+    backwards = any(isinstance(drive.law, ConstantSpeed) and drive.law.speed < 0 for drive in scene.drives)
     ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}  # degrees
     figure.update_xaxes(title=axis(scene).title, panel=titled)
     figure.update_layout(dragmode=False, hovermode=False)  # the page's cursor follows the pointer instead

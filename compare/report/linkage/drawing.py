@@ -59,7 +59,7 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     for slider, slide in scene.slides.items():
         body, (x, y) = scene.bodies[slider], slide.along
         acting = [(f"guide on {slider}", f"{slider}.guide_force", 1j, (-y, x))]
-        acting += [(f"drive on {slider}", "drive.force", 1.0, (x, y))] * (slider == scene.drive.body)
+        acting += [(f"drive on {slider}", "drive.force", 1.0, (x, y))] * (slider in scene.driven)
         for name, channel, turn, way in acting:
             if channel in motion:
                 along = motion[channel] * (turn * state.along(body))

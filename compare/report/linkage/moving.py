@@ -146,10 +146,11 @@ class MovingPicture:
         """Yield the channels of bodies and of the drive, with the first point of each; points may have their names."""
         scene = self.study.scene
         first = {body.name: body.points[0] for body in scene.bodies.values()}
+        of_drives = {name: drive.body for drive in scene.drives for name in (drive.channel, drive.effort_channel)}
         for channel in (*channels(scene), *self.study.motion.samples):
             name, _, measured = channel.rpartition(".")
-            if channel in (scene.drive_channel, scene.effort_channel):
-                yield channel, first[scene.drive.body]
+            if channel in of_drives:
+                yield channel, first[of_drives[channel]]
             elif measured in OF_BODIES or (measured in OF_GROUPS and name not in scene.owners):
                 yield channel, first[name.partition("/")[0]]
 

@@ -139,7 +139,7 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
     """Draw every body with the slots of those that slide on it."""
     scene = drawing.scene
     for body in scene.bodies.values():
-        kind = "body driven" if body.name == scene.drive.body else "body"
+        kind = "body driven" if body.name in scene.driven else "body"
         group = SubElement(root, "g", {"class": kind, "data-point": body.points[0], "data-turn": body.name})
         SubElement(group, "title").text = body.name
         own = drawing.own(body)

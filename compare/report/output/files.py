@@ -249,7 +249,7 @@ def _scene(scene: Scene) -> dict[str, Any]:
 
     The tables that it was made of are left out.
     """
-    known, drive = {each.name: getattr(scene, each.name) for each in fields(scene)}, scene.drive
+    known, (drive,) = {each.name: getattr(scene, each.name) for each in fields(scene)}, scene.drives
     law = {each.name: getattr(drive.law, each.name) for each in fields(drive.law)}
     alone = {"drive": {"body": drive.body, **law}, "drive_on": drive.on}
     return {name: value for name, value in (known | alone).items() if name not in ("drives", "tables")}

@@ -8,7 +8,6 @@ import numpy as np
 
 from scenes import Motion, Scene
 from scenes.model.enclosures import MotionRange
-from scenes.scene import ConstantSpeed
 
 from ...judge.agreement import Agreement, Word
 from ...judge.floor import UnsolvedError
@@ -54,7 +53,7 @@ def page(study: Study, before: Before | None = None) -> str:
         axis=axis(scene),
         position=position_name(scene),
         cycle=cycle_name(scene),
-        steady=isinstance(scene.drive.law, ConstantSpeed),
+        steady=scene.steady,
         panels=panels,
         groups=groups,
         distance=distance,
@@ -81,6 +80,7 @@ def unsolved_page(scene: Scene, unsolved: UnsolvedError, way: MotionRange | None
         agreement=Agreement(Word.not_solved, unsolved.sentence),
         way=way,
         joint=joint,
+        whole=", ".join(scene.between(drive.law.extent) for drive in scene.drives),
         goes=[scene.between(ends) for ends in way.ways] if way else [],
         picture=stopped(scene, way) if way else sketched(scene, joint),
         where=scene.where(float(way.motion[scene.drive_channel][0])) if way else "",

@@ -55,7 +55,7 @@ def sentences(study: Study) -> Iterator[str]:
     what = f"the drive's largest {quantity(channel)} is {largest}, without friction {free}"
     yield f"At {grouped(len(cycle['time']))} positions {what}."
     yield _jam(scene)
-    if isinstance(scene.drive.law, ConstantSpeed):
+    if scene.steady:
         yield _locking(study)
     bound = float(contraction(study.reference.mechanics, study.motion).max())
     proven = "less than 1, so no other forces are possible" if bound < 1 else "not below 1, so others are not ruled out"

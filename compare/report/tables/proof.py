@@ -107,10 +107,11 @@ def _advantage(study: Judgement) -> Iterator[str]:
     """
     scene, shown = study.scene, units(study.reference)
     row = next((row for row in study.proof.rows if row[:2] == (f"{scene.output}.speed", "most")), None)
-    if row is None or not isinstance(scene.drive.law, ConstantSpeed) or not 0 < row.low <= row.high < inf:
+    law = scene.drives[0].law  # whose position stands for the time
+    if row is None or not scene.steady or not isinstance(law, ConstantSpeed) or not 0 < row.low <= row.high < inf:
         return
-    (newton, force), (per_effort, effort) = shown["N"], shown["N*m" if scene.drive.slide is None else "N"]
-    least, attained = (abs(scene.drive.law.speed) / speed * newton / per_effort for speed in (row.high, row.low))
+    (newton, force), (per_effort, effort) = shown["N"], shown[UNITS[quantity(scene.effort_channel)]]
+    least, attained = (abs(law.speed) / speed * newton / per_effort for speed in (row.high, row.low))
     amount = _outwards(least, attained, -1)
     yield f"the output {scene.output} has at least {amount} {force} for each {effort} of the drive, without friction"
 

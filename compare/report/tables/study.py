@@ -9,6 +9,7 @@ from typing import get_type_hints
 import numpy as np
 
 from scenes import Scene, Status
+from scenes.drive import Drive
 from scenes.model.motion import UNITS, quantity
 from scenes.scene import ConstantSpeed
 
@@ -144,12 +145,13 @@ def setup(study: Study) -> str:
     """What was run, in one sentence."""
     scene, sampling, cycle = study.scene, study.sampling, cycle_name(study.scene)
     cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
-    run = f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples per {cycle}"
+    motions = (f"{drive.body} {_motion_of(scene, drive)}" for drive in scene.drives)
+    run = f"The {' and '.join(motions)}, {cycles}, {sampling.samples} samples per {cycle}"
     return f"{run}. Reference, group by group (R: pin, P: slide): {registry.route(scene)}."
 
 
-def _motion_of_the_drive(scene: Scene) -> str:
-    law = scene.drive.law
+def _motion_of(scene: Scene, drive: Drive) -> str:
+    law = drive.law
     if not isinstance(law, ConstantSpeed):
         return f"by a motion law of {law.cycle:g} s{', again and again' * law.periodic}"
     unit, size = scene.units["speed"]
@@ -159,9 +161,9 @@ def _motion_of_the_drive(scene: Scene) -> str:
 
 def scales(scene: Scene) -> str:
     """The scales of errors where the drive is more than a crank at constant speed."""
-    if scene.drive.slide is not None:
+    if any(drive.slide for drive in scene.drives):
         return " ω is the drive's peak speed over its travel."
-    return "" if isinstance(scene.drive.law, ConstantSpeed) else " ω is the drive's peak rate."
+    return "" if scene.steady else " ω is the drive's peak rate."
 
 
 def notes(study: Study) -> list[str]:

@@ -244,7 +244,7 @@ def test_wrong_lines_of_the_table_are_found() -> None:
     assert all(record is not None and record.above and record.found for record in records)
 
 
-MEASURED = [("compare.mechanics.scales", "relative_errors"), ("compare.judge.checks", "_drive")]
+MEASURED = [("compare.mechanics.scales", "relative_errors"), ("compare.judge.checks", "_off")]
 
 
 @pytest.mark.parametrize(("module", "function"), MEASURED)
