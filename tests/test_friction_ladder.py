@@ -117,7 +117,7 @@ def several(scene: Scene, where: str) -> bool:
     return found == [True]
 
 
-@sampled(3)
+@sampled(1)
 @each(*ENGINES)
 @by_scene
 def test_every_rung(held: Held, name: str) -> None:

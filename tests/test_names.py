@@ -9,7 +9,7 @@ from compare.judge.proof import MET, MISSED, held
 from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.model.motion import channels, magnitudes
 from tests import scene_files
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 from tests.naming import alike, loaded
 from tests.sim_models.formulations import run
 
@@ -52,6 +52,7 @@ def test_bounds_are_the_same(name: str) -> None:
         assert np.allclose(rows, expected, rtol=1e-6, atol=1e-9), label
 
 
+@sampled(1)
 @pytest.mark.parametrize("engine", ["exudyn", "pinocchio", *(pytest.param(name, marks=SLOW) for name in OTHERS)])
 @pytest.mark.parametrize("name", ["quick_return", *(pytest.param(name, marks=SLOW) for name in SLIDES)])
 def test_other_models_find_the_same_numbers(engine: str, name: str) -> None:

@@ -17,7 +17,7 @@ from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.scene import ConstantSpeed
 from tests import absolute_coordinates, scene_files
 from tests.agreement import off_50_digits
-from tests.comparisons import sampled
+from tests.comparisons import SLOW, sampled
 
 from .newton import as_one_group, assert_close, intervals
 from .test_mechanisms import FLIPPED, flipped
@@ -38,7 +38,7 @@ def solve(class_iii: Scene) -> Solver:
 WHOLE = ("toggle_press", "busy", "shaper", "swinging_block", "scotch_yoke", "tangent", "carried_block", "driven_toggle")
 
 
-@sampled(3)
+@sampled(2)
 @pytest.mark.parametrize(
     ("name", "kept"), [*((name, 0) for name in WHOLE), ("carried_block", -1), ("carried_yoke", -1)]
 )
@@ -58,6 +58,7 @@ def test_dyads_as_one_group(name: str, kept: int) -> None:
         assert error.max() <= (1e-12 if kept else 1e-11), channel  # a few dozen roundings of each
 
 
+@sampled(1)
 @pytest.mark.parametrize("order", [range(9), range(8, -1, -1), (3, 7, 1, 8, 5, 0, 4, 2, 6)])
 def test_between_dyads_in_any_order(order: Sequence[int]) -> None:
     """A dyad drives the group, and one hangs on it, at a pin of three bodies, whichever comes first."""
@@ -108,6 +109,7 @@ def test_a_lock_is_told_where() -> None:
     assert "(coupler, plate, upper, lower in a singular configuration)" in caught.value.reason
 
 
+@SLOW
 def test_newton_does_not_jump_over_a_lock() -> None:
     """Found by chance: just beyond the lock at 72 degrees Newton's method converges, to a pose of another branch.
 
@@ -141,6 +143,7 @@ def test_a_branch_of_more_than_a_turn_ends_where_it_ends(start: int, status: Sta
     assert caught.value.status is status
 
 
+@sampled(1)
 @pytest.mark.parametrize(("start", "end"), [(-50, 60), (320, 200), (-30, 320)])
 def test_on_a_part_of_such_a_branch(start: int, end: int) -> None:
     scene = scene_files.load("stephenson_iii", {"drive.start": start, "drive.end": end, "drive.speed": end - start})

@@ -16,7 +16,7 @@ from analytic.recorded.program import Program, recorded
 from analytic.solve import Solver
 from scenes import Failure, InputError, Motion, Scene
 from scenes.model.motion import channels as known
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 from .newton import assert_close
 
@@ -36,6 +36,7 @@ def assert_same(found: Motion | analytic.Machines, expected: Motion | analytic.M
     assert_close(found.samples, expected.samples, SAME)
 
 
+@sampled(6)
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_straight_line_of_every_scene(name: str) -> None:
     scene = scenes.load(name)

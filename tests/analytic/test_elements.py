@@ -21,6 +21,7 @@ from tests import scene_files
 from tests.agreement import exact
 from tests.closed_forms.elements import ON_CARRIED
 from tests.closed_forms.row import CARRIED
+from tests.comparisons import SLOW
 
 from .newton import as_one_group, assert_close
 
@@ -109,7 +110,7 @@ def test_against_50_digits(settings: AnalyticSettings) -> None:
     )
 
 
-@pytest.mark.parametrize("compiled", [False] + COMPILES * [True])
+@pytest.mark.parametrize("compiled", [False, *COMPILES * [pytest.param(True, marks=SLOW)]])
 def test_the_straight_line_has_what_the_formulas_have(*, compiled: bool) -> None:
     scene = busy()
     motion = analytic.solve(scene, *asked(scene))

@@ -41,6 +41,7 @@ def test_a_block_without_inertia_takes_no_moment() -> None:
     assert (analytic.solve(scene, np.linspace(0, 2 * np.pi, 73))["block.guide_moment"] == 0).all()
 
 
+@sampled(3)
 @pytest.mark.parametrize("name", ["lock_rrp", "lock_rrr", "lock_rrr_folded"])
 @pytest.mark.parametrize("label", ["1e-5", "1e-7", "1e-9"])
 def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:

@@ -13,7 +13,7 @@ from analytic.core.groups import continuation
 from scenes import Failure, InputError, Scene, Status
 from scenes.scene import ConstantSpeed, PressForce
 from tests import scene_files
-from tests.comparisons import sampled
+from tests.comparisons import SLOW, sampled
 
 from .newton import assert_close, intervals
 
@@ -32,7 +32,7 @@ def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
     return dict(zip(written, others.T, strict=True))
 
 
-@sampled(4)
+@sampled(2)
 @pytest.mark.parametrize("name", [*scenes.shipped(), *GROUPS])
 def test_each_machine_is_as_one_of_a_file(name: str) -> None:
     """Every number of the file differs, and the drive's way, in another form of the arithmetic, is the same."""
@@ -79,6 +79,7 @@ def test_a_machine_that_fails_spoils_no_other() -> None:
 LONG, SHORT = "bodies.crank.lengths.O-A", "bodies.lower.lengths.D-F"
 
 
+@SLOW
 def test_larger_groups_that_fail_spoil_no_other() -> None:
     """A crank that locks, a bar that is too short: each with the status, place and open joint of a single run."""
     crank, bar = scenes.numbers_in("class_iii", (LONG, SHORT))
@@ -229,6 +230,7 @@ def test_reductions_of_one_machine() -> None:
     assert extremes.largest == pytest.approx(highest, rel=1e-14)  # roundings
 
 
+@SLOW
 def test_reductions_of_larger_groups() -> None:
     """The crank of the second machine is so long that it locks."""
     scene, changes = scenes.load("class_iii"), {LONG: [scenes.numbers_in("class_iii", (LONG,))[0], 200]}

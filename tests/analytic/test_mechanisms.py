@@ -50,7 +50,7 @@ def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     return errors(solve(driven.position, time), expected)
 
 
-@sampled(6)
+@sampled(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_against_absolute_coordinates(references: References, name: str) -> None:
     reference = references(name)
@@ -59,7 +59,7 @@ def test_against_absolute_coordinates(references: References, name: str) -> None
         assert error.max() <= (1e-12 if "clamp" in name else 1e-13), channel
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize("name", FLIPPED)
 def test_slots_from_the_other_side(name: str) -> None:
     """The route is the same: which of the two is called the slider is no matter of the linkage's."""

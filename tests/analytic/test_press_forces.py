@@ -14,6 +14,7 @@ from analytic.way.slider import dead_points, stroke_end
 from scenes import InputError, Scene
 from scenes.scene import PressForce
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .newton import displaced
 
@@ -79,6 +80,7 @@ def test_a_stroke_ends_where_a_law_turns_back() -> None:
     assert end_of_stroke(scene) == pytest.approx(x_of(furthest), abs=1e-8)
 
 
+@sampled(1)
 @pytest.mark.parametrize(("start", "end"), [(-60, 60), (25, 35)])
 def test_a_stroke_of_nothing_but_a_larger_group(start: float, end: float) -> None:
     """Part of a turn without a dead point, behind a group that Newton's method solves."""

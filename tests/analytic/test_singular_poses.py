@@ -17,7 +17,7 @@ from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.agreement import errors, exact
-from tests.comparisons import sampled
+from tests.comparisons import SLOW, sampled
 
 from .newton import as_one_group
 
@@ -68,6 +68,7 @@ def run(scene: Scene, count: int = 36) -> None:
     built.solve()
 
 
+@sampled(2)
 @pytest.mark.parametrize("dyad", SINGULAR)
 def test_between_samples_each_dyad_is_refused_beyond_and_solved_near_its_singular_pose(dyad: str) -> None:
     scene, why = SINGULAR[dyad]
@@ -117,7 +118,7 @@ def by_newton(scene: Scene) -> Solver:
     return prepared(scene, as_one_group(scene, -1))
 
 
-@sampled(1)
+@SLOW
 @pytest.mark.parametrize("scene", [guides, bars], ids=["PRP", "RRR"])
 def test_between_samples_a_larger_group_is_refused_and_near_it_solved(scene: Callable[[float], Scene]) -> None:
     beyond = by_newton(scene(-1e-6))

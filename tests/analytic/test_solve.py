@@ -16,6 +16,7 @@ from scenes import InputError, Sampling, Scene
 from scenes.model.motion import channels
 from tests import scene_files
 from tests.agreement import off_50_digits
+from tests.comparisons import sampled
 
 TURN = np.linspace(0, 2 * pi, 3601)
 
@@ -71,6 +72,7 @@ def test_the_area_keeps_its_digits(r1: float, r2: float, short: float, stretched
         assert computed <= 0
 
 
+@sampled(2)
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("order", [(0, 1, 2, 3, 4), (4, 3, 2, 1, 0), (3, 1, 0, 4, 2), (2, 3, 4, 0, 1)])
 def test_a_busy_scene_in_any_order(order: tuple[int, ...], mirrored: bool) -> None:

@@ -114,7 +114,7 @@ FOLDED = {"bodies.coupler.lengths.A-B": 2.5}
 BARS = ("coupler", "upper", "lower")  # of class III
 
 
-@sampled(4)
+@sampled(2)
 @pytest.mark.parametrize("case", NEAREST)
 def test_a_length_changed_by_that_much_locks(case: str) -> None:
     """One way by a little more it does not reach, and by less it has just that left; the other way it does."""

@@ -17,7 +17,7 @@ from compare.report.output import files
 from compare.study import Study
 from scenes import load
 from tests import scene_files
-from tests.comparisons import studied
+from tests.comparisons import SLOW, studied
 from tests.pages import now, pin, silent, typed
 
 if TYPE_CHECKING:
@@ -254,6 +254,7 @@ def test_a_number_that_no_file_may_have_changes_nothing(undone: "Page", path: st
     assert not undone.get_by_text("Edited: not cross-checked").is_visible()
 
 
+@SLOW
 def test_every_number_that_is_changed_is_an_edit(browser: "Browser", tmp_path: Path) -> None:
     """One without a unit too: a coefficient of friction; the torque is then that of the core with it."""
     folder = files.write(studied(load("crank_press_friction"), ["analytic"]), tmp_path)

@@ -114,6 +114,7 @@ def test_the_peaks_of_a_press_by_a_law_are_between_the_samples(press: "tuple[sce
     assert shown(now(page, "stroke")[0]) == pytest.approx(np.ptp(core["B.y"]) * 1e3, abs=0.06)
 
 
+@SLOW
 def test_the_machines_of_a_press_by_a_law_are_those_of_the_core(press: "tuple[scenes.Scene, Page]") -> None:
     """Also how many meet a limit of an angle, and where one of the numbers that vary is of no matter."""
     scene, page = press
@@ -161,6 +162,7 @@ def test_a_peak_between_the_last_sample_of_a_turn_and_its_end(browser: "Browser"
         assert shown(now(page, "T: acceleration")[0]) == pytest.approx(size.max(), rel=5e-4)
 
 
+@SLOW
 def test_a_peak_at_a_row_of_a_law_is_found(browser: "Browser", folder: Path) -> None:
     """Between samples, where the acceleration bends; it is of the other sign than that of the nearest samples."""
     scene, path = written(folder, "turning_law", {})

@@ -60,7 +60,7 @@ def test_accuracies_that_are_not(text: str) -> None:
         accuracy(text)
 
 
-@sampled(3)
+@sampled(1)
 @pytest.mark.parametrize(
     ("name", "patterns"),
     [
@@ -151,7 +151,7 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     assert verdict.status is status
 
 
-@sampled(3)
+@sampled(2)
 @pytest.mark.parametrize("kind", sorted({quantity(channel) for channel in channels(PRESS)[2:]}))
 def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
     """One component of a vector is judged by the vector, on the side of the switch where it fits: right or spoilt.
@@ -177,7 +177,7 @@ def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
         assert peaks(pressing, few, [well, badly]) is not None
 
 
-@sampled(3)
+@sampled(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_some_channels_of_some_places_are_judged(seed: int) -> None:
     """Where one joint, point or body has channels that another's were not asked for."""

@@ -16,7 +16,7 @@ from compare.run import main
 from scenes import Failure, InputError, Motion, Sampling, Scene, Settings, Status
 from scenes.scene import ConstantSpeed
 from tests import scene_files
-from tests.comparisons import Plug, sampled
+from tests.comparisons import SLOW, Plug, sampled
 
 
 def test_a_shipped_scene_is_judged_as_by_the_command_line(
@@ -55,6 +55,7 @@ def test_a_body_of_four_points_without_masses_needs_no_centre_of_mass() -> None:
     assert result.reference.floor.by_channel, "arbitrary precision cannot take it"
 
 
+@sampled(1)
 @pytest.mark.parametrize("key", ["force", "torque"])  # the first files have `torque` for a slider's force too
 def test_the_force_of_the_drive_is_a_group_of_its_own(key: str) -> None:
     scene = scene_files.load("driven_toggle", {"tolerances": {"analytic": {key: 1e-99}}})
@@ -72,6 +73,7 @@ def test_no_clock_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "cheapest measured to be within 0.0001" in result.reasons[0]
 
 
+@SLOW
 def test_equal_calls_choose_the_same_settings(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever the clock shows. Single precision is good to 1e-4 too, but its drive is not where it was asked to be."""
     chosen = []
@@ -99,6 +101,7 @@ def test_a_missed_tolerance_is_not_ok() -> None:
     assert result.gates["met"].tolist() == ["missed"]
 
 
+@sampled(1)
 @pytest.mark.parametrize("outcome", [Failure(Status.diverged, "it ran away"), Motion({})])
 def test_an_engine_that_fails_is_not_ok_though_no_tolerance_is_declared(plug: Plug, outcome: Motion | Failure) -> None:
     plug(outcome)
@@ -114,7 +117,7 @@ def test_a_run_that_ends_has_one_cycle() -> None:
         compare.check("double_toggle_clamp", turns=2)
 
 
-@sampled(4)
+@sampled(2)
 @pytest.mark.parametrize("engine", [*registry.DEFAULT_ENGINES, registry.ORACLE, "casadi", "pinocchio", "mujoco"])
 @pytest.mark.parametrize("place", [1000, 1010])
 def test_a_spring_without_free_length_whose_ends_meet_or_nearly(engine: str, place: int) -> None:

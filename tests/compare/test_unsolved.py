@@ -42,6 +42,7 @@ def test_the_pose_where_it_stops_is_singular() -> None:
     assert np.degrees(way.motion["crank_angle"][[0, -1]]) == pytest.approx([12.8552, 66.1809], abs=1e-4)
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("name", "joint", "ends"),
     [

@@ -59,6 +59,7 @@ def test_in_the_main_run(number: int, tmp_path: Path, capsys: pytest.CaptureFixt
     assert sum("missed" in line for line in said.out.splitlines()) >= len(ENGINES)
 
 
+@SLOW
 @pytest.mark.parametrize("number", SOME)
 def test_in_a_family(number: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     dying, living = deaths(number), DEFAULT_ENGINES[-1 - number]

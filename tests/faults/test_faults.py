@@ -96,6 +96,7 @@ def test_causes_and_places_are_of_one_vocabulary(records: Sequence[Record], tmp_
     assert not [word for word in words if f"`{word}`" not in text]
 
 
+@sampled(1)
 @pytest.mark.parametrize("family", ["m s w^2", "I alpha", "late load", "load on the neighbour"])
 def test_what_is_left_out_and_where_loads_act_is_named(family: str, references: References) -> None:
     """The faults are sums of the core's solutions under constant forces, the causes use the constraints' Jacobian."""

@@ -43,7 +43,7 @@ SPOILT: list[tuple[str, Spoil, Settings]] = [
 ]
 
 
-@sampled(3)
+@sampled(1)
 @pytest.mark.parametrize(("engine", "spoil", "settings"), SPOILT, ids=lambda of: getattr(of, "label", ""))
 def test_a_wrong_start_is_forgotten_or_told(
     reference: Reference, engine: str, spoil: Spoil, settings: Settings

@@ -14,6 +14,7 @@ from compare.mechanics.bodies import first_point, rule, weights
 from scenes import Scene
 from scenes.scene import Body, DrawnBody
 from tests import scene_files
+from tests.comparisons import SLOW
 
 MASS = 3.0
 Properties: TypeAlias = tuple[complex, float]  # centre of mass in the body's frame, m, and inertia about it, kg m^2
@@ -125,6 +126,7 @@ def test_a_body_as_drawn_weighs_the_same_in_every_model(name: str, model: Callab
     assert inertia == pytest.approx(body.inertia, rel=1e-14)
 
 
+@SLOW
 def test_engines_agree_on_bodies_as_drawn() -> None:
     result = compare.check(scene_files.load("outlined"), ("exudyn", "pymunk", "multiprecision"), samples=24)
     assert result.ok, result.verdicts

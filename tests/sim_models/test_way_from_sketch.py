@@ -86,7 +86,7 @@ LINKAGES = {
 }
 
 
-@sampled(12)
+@sampled(8)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", LINKAGES)
 def test_no_way_from_the_sketch_leads_through_a_lock(name: str, engine: str, tmp_path: Path) -> None:
@@ -132,7 +132,7 @@ def test_the_closed_form_is_believed_across_its_whole_range(tmp_path: Path) -> N
     assert judged.ok, judged.verdicts
 
 
-@sampled(5)
+@sampled(2)
 @pytest.mark.parametrize("engine", ["exudyn", "pymunk", "multiprecision"])
 @pytest.mark.parametrize("beside", [-5e-10, 0, 5e-10])
 @pytest.mark.parametrize("between", [("crank", "rod"), ("rod", "crank")])

@@ -96,7 +96,7 @@ def test_guides_that_cross_are_assembled_once(name: str) -> None:
     assert [one.meets for one in every.found] == [[]] * CROSSING[name]  # guides that are parallel cross nowhere
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize("name", LARGER)
 def test_larger_groups_in_other_coordinates(name: str) -> None:
     scene = scenes.load(name) if name in scenes.shipped() else scene_files.load(name)

@@ -13,6 +13,7 @@ from scenes import Failure, Scene
 from scenes.drive import ConstantSpeed
 from tests import scene_files
 from tests.clean_scenes import clean_scenes
+from tests.comparisons import SLOW, sampled
 
 from .test_mutations import Mutation, mutate
 from .true_values import BY_50_DIGITS, BY_DOUBLES, Places, escapes, share_known
@@ -40,6 +41,7 @@ def found(scene: Scene, count: int, seed: int) -> list[tuple[str, float, float]]
     return [*escapes(places, places.by_50_digits, slack(scene))]
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", CHOSEN)
 def test_no_value_of_50_digits_escapes(name: str) -> None:
     assert found(scene_files.load(name), FEW, 0) == []
@@ -102,6 +104,7 @@ def assert_none_escapes(scene: Scene, count: int, seed: int) -> bool:
     return True
 
 
+@SLOW
 def test_no_value_of_random_linkages_escapes(tmp_path: Path) -> None:
     assert sum(assert_none_escapes(scene, 4, seed) for seed, scene in enumerate(drawn(tmp_path, 4))) >= 3
 

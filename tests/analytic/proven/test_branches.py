@@ -66,7 +66,7 @@ def open_at(monkeypatch: pytest.MonkeyPatch, scene: Scene, tracks: Tracks) -> tu
     return analytic.enclose(scene, {f"{group.bodies[0]}.angle" for group in tracks}).open_at
 
 
-@sampled(3)
+@sampled(1)
 @pytest.mark.parametrize("name", LARGER)
 def test_one_branch_is_proven(name: str) -> None:
     found = boxes.Boxes(scene_files.load(name), None, {}).branches

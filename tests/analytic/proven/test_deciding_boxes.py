@@ -15,6 +15,7 @@ from analytic.recorded.program import recorded
 from scenes import Scene
 from scenes.model.enclosures import Enclosure
 from scenes.model.motion import magnitudes, quantity
+from tests.comparisons import sampled
 
 from .exact_values import BITS
 from .rules import TRUE
@@ -84,6 +85,7 @@ def on(row: Enclosure, ball: Any) -> Any:
     return None if ball is None else ball + 2 * arb.pi() * turns
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", [*FEW, *(pytest.param(name, marks=pytest.mark.slow) for name in MORE)])
 def test_what_is_in_the_box_can_be_the_extreme(name: str) -> None:
     """The extreme is in the box, so that the ball over it meets its bounds; and nothing in the box is beyond it."""

@@ -13,6 +13,7 @@ from analytic.recorded.arithmetics.taylor_models import point
 from scenes.drive import MotionLaw
 from scenes.laws import LAWS, SAME_INSTANT, HarmonicLaw, SegmentedLaw
 from sim_models.multiprecision.drive import law_of
+from tests.comparisons import sampled
 
 from .exact_values import BITS
 
@@ -106,6 +107,7 @@ def beyond(kind: str, seed: int) -> Iterator[float]:
                 yield float((apart - arb(rest)) / arb(rest or 1.0))
 
 
+@sampled(2)
 @pytest.mark.parametrize("kind", DRAWN)
 def test_no_law_leaves_its_boxes(kind: str) -> None:
     found = [off for seed in range(12) for off in beyond(kind, seed)]

@@ -21,7 +21,7 @@ LOCKS: dict[str, tuple[str, scene_files.Changes, float]] = {  # see `test_motion
 }
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize("case", LOCKS)
 def test_where_it_locks(case: str) -> None:
     """An angle by the law of cosines; 50 digits assemble on this side of it, and not on the other."""

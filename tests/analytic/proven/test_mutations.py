@@ -8,6 +8,7 @@ import pytest
 
 from analytic.recorded.arithmetics import systems, taylor_models
 from analytic.recorded.arithmetics.taylor_models import RULES, TaylorModel
+from tests.comparisons import sampled
 
 from .exact_values import Escape
 from .rules import TRUE, found
@@ -89,6 +90,7 @@ SYSTEMS = {
 }
 
 
+@sampled(8)
 @pytest.mark.parametrize("what", LEFT_OUT)
 def test_what_is_left_out_is_an_escape(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     mutation, rules = LEFT_OUT[what]

@@ -13,6 +13,7 @@ from analytic.recorded.arithmetics.box_line import BoxLine
 from analytic.recorded.arithmetics.systems import Matrices, Matrix, stacked
 from analytic.recorded.arithmetics.taylor_models import RULES, TaylorModel, hull, parabola_most, point
 from analytic.recorded.expressions import Recorder
+from tests.comparisons import sampled
 
 from .exact_values import BITS, LIKE, Escape, Place, drawn, drawn_places, escapes, of_box, parabola
 from .rules import TRUE, found, known, operands
@@ -25,6 +26,7 @@ def test_every_rule_is_tried() -> None:
     assert {*TRUE, "middle"} == set(RULES)
 
 
+@sampled(6)
 @pytest.mark.parametrize("name", TRUE)
 def test_no_true_value_escapes(name: str) -> None:
     assert found(name, BOXES) == []

@@ -37,7 +37,7 @@ def scene() -> Scene:
     return scenes.load("four_bar")
 
 
-@sampled(4)
+@sampled(3)
 @pytest.mark.parametrize(
     "death", [*TWELVE, "much talk", *(pytest.param(d, marks=SLOW) for d in DEATHS if d not in (*TWELVE, "much talk"))]
 )

@@ -179,7 +179,7 @@ def patched(patch: pytest.MonkeyPatch, places: Sequence[Patch]) -> None:
         patch.setattr(module, name, wrong)
 
 
-@sampled(4)
+@sampled(3)
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_wrong_comparison_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
     patched(monkeypatch, WRONG[wrong])
@@ -220,7 +220,7 @@ FROM_THE_START: dict[str, list[Patch]] = {
 }
 
 
-@sampled(6)
+@sampled(3)
 @pytest.mark.parametrize("wrong", FROM_THE_START)
 def test_what_is_wrong_from_the_start_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
     runs = {m.run.engine: m.run for m in press.measurements}
@@ -247,6 +247,7 @@ def test_wrong_lines_of_the_table_are_found() -> None:
 MEASURED = [("compare.mechanics.scales", "relative_errors"), ("compare.judge.checks", "_off")]
 
 
+@sampled(1)
 @pytest.mark.parametrize(("module", "function"), MEASURED)
 def test_a_dropped_abs_is_noticed(module: str, function: str, press: Judgement) -> None:
     *_, mutant = [one for one in mutants(module, (function,)) if one.kind == "abs dropped"]

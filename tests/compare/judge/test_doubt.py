@@ -23,7 +23,7 @@ from compare.mechanics.reference import Reference
 from compare.run import main
 from scenes import InputError, Motion, Scene, Settings, Status
 from tests import scene_files
-from tests.comparisons import commanded
+from tests.comparisons import commanded, sampled
 
 Spoil = Callable[[Motion], Motion]
 UNDECIDED = "with no calculation of 50 digits to decide"
@@ -69,6 +69,7 @@ def test_a_core_that_fails_by_a_fault_of_its_own_is_one_line(monkeypatch: pytest
     assert str(failure.value).isprintable()
 
 
+@sampled(1)
 @pytest.mark.parametrize("oracle", [True, False])
 def test_a_core_that_stands_alone(monkeypatch: pytest.MonkeyPatch, oracle: bool) -> None:
     """With its rod upwards, all in itself right: against arbitrary precision, or two simulators that agree."""

@@ -44,7 +44,7 @@ def test_the_estimate_is_the_error(name: str, engine: str, of: Settings) -> None
     assert estimated(measured) == pytest.approx(worst, rel=0.02, abs=1e-9)
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_a_moved_channel_is_off_by_as_much(references: References, name: str) -> None:
     """Rates and forces one after the other, and nothing else is; by the scales of the motion itself."""
@@ -59,7 +59,7 @@ def test_a_moved_channel_is_off_by_as_much(references: References, name: str) ->
             assert max(off.values()) <= 1e-12
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_an_open_joint_is_closed_in_the_estimate(references: References, name: str) -> None:
     """A place that is off by 1e-6 of the stroke is known to be, up to the condition times the square of it."""

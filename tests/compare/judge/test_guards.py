@@ -9,7 +9,7 @@ from compare.judge.verdict import judged, limits
 from compare.mechanics.reference import Reference
 from scenes import Motion, Settings, Status
 from tests import scene_files
-from tests.comparisons import SAMPLING, References, changed, commanded, of_scene, size_of
+from tests.comparisons import SAMPLING, References, changed, commanded, of_scene, sampled, size_of
 
 INCONSISTENT, INACCURATE = Status.inconsistent, Status.inaccurate
 GUARDS = {  # what alone must refuse: by which channel, moved by how much of its scale, and how that ends
@@ -50,6 +50,7 @@ def verdict(reference: Reference, motion: Motion, guard: str = "") -> Run:
     return judged(Run("stub", PROMISE, Status.ok), [check for check in found if guard in ("", check.check)])
 
 
+@sampled(13)
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(("guard", "channel"), GUARDS)
 def test_each_guard_alone(reference: Reference, motion: Motion, guard: str, channel: str, sign: int) -> None:

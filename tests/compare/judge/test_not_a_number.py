@@ -31,6 +31,7 @@ def test_no_channel_passes_the_checks(references: References, name: str) -> None
         assert judged(OK, found).status is not Status.ok, channel
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["shaper", "driven_toggle"])
 def test_each_balance_of_a_body_has_it(references: References, name: str) -> None:
     """Newton's, Euler's and the power: of the joints and loads at a point, one that is not a number is enough."""

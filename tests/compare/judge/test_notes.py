@@ -10,7 +10,7 @@ from compare.report.tables import study as tables
 from compare.run import main
 from scenes import InputError, Scene
 from tests import scene_files
-from tests.comparisons import sampled
+from tests.comparisons import SLOW, sampled
 
 
 def with_law(*times: float) -> scene_files.Changes:
@@ -59,7 +59,7 @@ def test_the_extent_of_a_law_is_found_between_any_rows() -> None:
 BAR, PLATE = "is taken for a uniform bar from A to C", "is taken for a uniform triangular plate"
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize(("height", "taken"), [(0.0, ""), (0.5, BAR), (2.0, PLATE), (49.0, PLATE), (51.0, "")])
 def test_a_plate_or_a_bar_that_is_nearly_the_other_is_named(height: float, taken: str) -> None:
     """The lever is 1000 mm long: a triangle no higher than 1 mm is a bar."""
@@ -68,6 +68,7 @@ def test_a_plate_or_a_bar_that_is_nearly_the_other_is_named(height: float, taken
     assert all(reason.startswith("lever, of points nearly on one line") and taken in reason for reason in reasons)
 
 
+@SLOW
 def test_a_table_that_is_longer_than_a_turn_is_named() -> None:
     """Of two turns one shows a part, and two all."""
     scene = scene_files.load("twisted_four_bar")

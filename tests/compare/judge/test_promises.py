@@ -9,7 +9,7 @@ from scenes import Sampling, Scene
 from scenes.laws import LAWS
 from tests import scene_files
 from tests.clean_scenes import clean_scenes
-from tests.comparisons import SLOW, sampled
+from tests.comparisons import SLOW
 from tests.promises import PromiseRecord, judged_runs, record
 from tests.true_errors import Truth
 
@@ -42,7 +42,7 @@ def test_verdicts_keep_their_word(tmp_path: Path, count: int, *, elements: bool)
         assert sum(right) >= least * count / 10
 
 
-@sampled(1)
+@SLOW
 @pytest.mark.parametrize("periodic", [False, True])
 def test_rows_on_the_boundaries_of_segments(periodic: bool) -> None:
     """Every law up and down, and dwells: every third row is where accelerations or jerks jump.

@@ -152,7 +152,7 @@ DOUBLES: dict[str, tuple[str, scene_files.Changes, str]] = {
 }
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize("name", DOUBLES)
 def test_where_doubles_are_the_limit_that_is_the_reason_and_not_the_core(name: str) -> None:
     pytest.importorskip("flint")

@@ -81,7 +81,7 @@ CLEAN: dict[str, tuple[str, scene_files.Changes]] = {
 }
 
 
-@sampled(3)
+@sampled(1)
 @pytest.mark.parametrize("name", CLEAN)
 def test_a_right_core_is_believed(name: str) -> None:
     pytest.importorskip("flint")

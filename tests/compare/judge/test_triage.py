@@ -111,7 +111,7 @@ OF_OTHERS = {
 }  # not the toggle press
 
 
-@sampled(8)
+@sampled(5)
 @pytest.mark.parametrize("fault", READ_OUT)
 def test_what_is_wrong_in_a_read_out_is_named(references: References, fault: str) -> None:
     spoil, kind, place = READ_OUT[fault]

@@ -10,13 +10,14 @@ from compare.judge.triage import cause
 from scenes import Motion
 from scenes.model.motion import channels
 from tests import scene_files
-from tests.comparisons import SAMPLING, References
+from tests.comparisons import SAMPLING, References, sampled
 
 SCENE = scene_files.load("outlined")
 LENGTHS = {number.path: 1.002 for number in SCENE.numbers.values() if number.quantity.dimension == "length"}
 ROCKER, COUPLER = "rocker's mass is 10 % too large", "coupler's mass is 10 % too small"
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("shares", "expected"),
     [

@@ -55,7 +55,7 @@ def times(factor: float, scene: Scene, paths: str) -> Scene:
     return scene.with_numbers(numbers)
 
 
-@sampled(4)
+@sampled(3)
 @pytest.mark.parametrize("fault", INPUTS)
 def test_what_is_wrong_in_a_scene_is_named_with_its_amount(references: References, fault: str) -> None:
     name, paths, factor, kind, place, amount = INPUTS[fault]

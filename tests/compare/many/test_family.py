@@ -16,6 +16,7 @@ from compare.report.figures.many import curves, over_number
 from compare.report.tables import family as family_tables
 from compare.run import main
 from tests import scene_files
+from tests.comparisons import SLOW
 from tests.pages import unpacked, without_scripts
 
 from .runs import CRANK_SLIDER, run
@@ -101,6 +102,7 @@ def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
     assert "cannot_assemble" in page
 
 
+@SLOW
 def test_many_members_are_drawn_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("figures.many", "pages.many"):
         monkeypatch.setattr(f"compare.report.{module}.MOST_LINES", 5)

@@ -9,6 +9,7 @@ import scenes
 from compare.measure.many.machines import as_drawn, gradients
 from scenes.model.motion import Samples
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .runs import file, many, reference
 
@@ -33,6 +34,7 @@ STEPS = {
 }
 
 
+@sampled(2)
 @pytest.mark.parametrize(("name", "steps"), STEPS.items())
 def test_against_differences(name: str, steps: dict[str, float]) -> None:
     """Of fourth order, with steps where neither the fifth derivative nor rounding matters."""

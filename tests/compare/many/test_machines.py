@@ -10,6 +10,7 @@ from compare.measure.many import sobol
 from compare.measure.many.machines import SAMPLES, draws, machines
 from scenes import Status, numbers_in
 from scenes.model.motion import Samples
+from tests.comparisons import SLOW, sampled
 
 from .runs import ROCKER, alone, many, reference
 
@@ -34,6 +35,7 @@ def test_they_are_distributed_as_the_scene_has_it() -> None:
     assert np.abs(table - np.eye(len(drawn))).max() < 0.01  # independent: 1 / sqrt(4096) of random ones
 
 
+@SLOW
 def test_the_directions_of_sobol_are_those_of_scipy() -> None:
     """Where nothing is scrambled, 512 points of every dimension of the table, shifted alike."""
     from scipy.stats.qmc import Sobol
@@ -59,6 +61,7 @@ def test_a_machine_is_the_same_whatever_others_are_asked_for() -> None:
         assert (values != other[path]).all()
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("name", "count"),
     [("toggle_press", 20), ("double_toggle_clamp", 4), pytest.param("double_toggle_clamp", 20, marks=pytest.mark.slow)],
@@ -70,6 +73,7 @@ def test_machines_agree_with_single_runs(name: str, count: int) -> None:
     same(name, {path: values[picked] for path, values in drawn.items()}, SAME)
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("name", "changes", "tolerance"),
     [
@@ -85,6 +89,7 @@ def test_other_linkages(name: str, changes: dict[str, list[float]], tolerance: f
     same(name, {path: np.array(values, float) for path, values in changes.items()}, tolerance)
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("name", "tolerance"),
     [

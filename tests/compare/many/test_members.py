@@ -19,6 +19,7 @@ from compare.report.tables import family as family_tables
 from compare.study import judged
 from scenes import InputError, Sampling
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .runs import CRANK_SLIDER, ROCKER, one, run
 
@@ -84,6 +85,7 @@ def test_an_engine_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "pymunk is not installed" in str(family_tables.agreement(family))
 
 
+@sampled(3)
 @pytest.mark.parametrize(
     ("words", "word", "named"),
     [

@@ -10,6 +10,7 @@ import pytest
 from compare.report.output.earlier import summary_of
 from compare.report.pages.index import index_page
 from scenes import InputError
+from tests.comparisons import sampled
 
 WHOLE: dict[str, Any] = {
     "scene": {"name": "a", "title": "A", "units": {"length": ["mm", 1e-3]}},
@@ -57,6 +58,7 @@ def test_one_that_is_whole(tmp_path: Path) -> None:
     assert summary_of(written(tmp_path / "a")).scene == WHOLE["scene"]
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", LARGE)
 def test_a_large_one_takes_no_more_memory_than_its_text_asks_for(name: str, tmp_path: Path) -> None:
     changes, reason = LARGE[name]

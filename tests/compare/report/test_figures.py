@@ -96,6 +96,7 @@ def test_prefixes(scale: float, factor: float, unit: str) -> None:
 # --- other drives and joints ------------------------------------------------------------------------------------------
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("name", "title", "first", "last", "autorange", "said"),
     [
@@ -171,7 +172,7 @@ def test_assur_groups(studies: Studies) -> None:
     assert assur_groups(replace(result, motion=without)) is None
 
 
-@sampled(3)
+@sampled(1)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=SLOW if name == "slotted_class_iii" else ()) for name in scene_files.MECHANISMS]
 )

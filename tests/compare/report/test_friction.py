@@ -10,6 +10,7 @@ from compare.report.pages.report import page
 from compare.report.tables.friction import by_joint, losses, sentences
 from compare.study import Study, judged
 from scenes import Sampling, load
+from tests.comparisons import SLOW
 
 STUDY = Study.of(judged(load("sticking_drawer"), ["analytic"], Sampling(36)))
 PRESS = Study.of(judged(load("toggle_press_friction"), ["analytic"], Sampling(72)))
@@ -35,6 +36,7 @@ def test_the_losses_of_a_press_are_the_power_of_its_friction() -> None:
     assert not off > 1e-12 * abs(PRESS.motion["friction.power"]).max()  # rounding of a sum of seven
 
 
+@SLOW
 def test_a_constant_load_takes_power_over_the_stroke_alone() -> None:
     """Its work there is its 100 kN by the stroke, and the drive's that of its torque by the angle, as sums by hand."""
     text, cycle = " ".join(sentences(PRESS)), PRESS.reference.cycle
@@ -48,6 +50,7 @@ def test_a_constant_load_takes_power_over_the_stroke_alone() -> None:
     assert not off.max() > 3e-3  # of a share three digits are printed
 
 
+@SLOW
 def test_a_press_is_self_locking_next_to_its_dead_centres() -> None:
     """There alone: the slider's lever on the crank, which goes to zero, is less than that of friction."""
     found = re.search(

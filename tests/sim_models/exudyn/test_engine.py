@@ -15,6 +15,7 @@ from sim_models.exudyn.runs import simulation as simulation_module
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from tests import scene_files
 from tests.absolute_coordinates import solve
+from tests.comparisons import sampled
 
 from .helpers import BOTH_ROUTES, CHEAP, ROD, by_level, locking, meeting_spring, run
 
@@ -39,6 +40,7 @@ WILD: dict[str, scene_files.Changes] = {
 }
 
 
+@sampled(4)
 @pytest.mark.parametrize("name", WILD)
 @pytest.mark.parametrize("settings", [DEFAULT, CHEAP], ids=lambda settings: settings.label)
 def test_no_size_speed_or_mass_is_too_wild(name: str, settings: ExudynSettings) -> None:

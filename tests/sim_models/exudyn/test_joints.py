@@ -40,7 +40,7 @@ ROUTES: dict[str, tuple[ExudynSettings, dict[str, float]]] = {
 }
 
 
-@sampled(9)
+@sampled(6)
 @pytest.mark.parametrize("route", ROUTES)
 @pytest.mark.parametrize("name", NAMES)
 def test_mechanism(name: str, route: str) -> None:

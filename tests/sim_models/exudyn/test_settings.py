@@ -64,7 +64,7 @@ RANGES: dict[str, tuple[Mapping[str, Any], tuple[int, ...], int]] = {
 }
 
 
-@sampled(3)
+@sampled(2)
 @pytest.mark.parametrize("name", ["toggle_press", "quick_return"])
 @pytest.mark.parametrize("family", RANGES)
 def test_order(family: str, name: str) -> None:
@@ -113,6 +113,7 @@ def test_newton_factorises_as_often_as_it_says() -> None:
         assert gap(motion, runs[JacobianUse.FULL][1]) <= 1e-6  # Newton's 1e-10 over h^2 of 1/360
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", ["toggle_press", "four_bar", "servo_press", "quick_return"])
 def test_more_than_the_scene_needs_changes_nothing_but_the_cost(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

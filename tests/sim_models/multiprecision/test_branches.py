@@ -95,7 +95,7 @@ CONDITION = {"busy": 20, "slotted_class_iii": 3, "walking_leg": 2} | dict.fromke
 )
 
 
-@sampled(4)
+@sampled(2)
 @pytest.mark.parametrize("name", [*SCENES, "busy_bucket", "lift", "elbow"])
 def test_every_channel_is_that_of_redundant_coordinates(name: str) -> None:
     """Poses on the sketch's branch, rates, forces of joints and of the drive, by Newton's and Euler's equations."""

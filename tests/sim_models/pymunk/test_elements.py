@@ -62,7 +62,7 @@ DRIVES: list[tuple[str, scene_files.Changes]] = [
 ]
 
 
-@sampled(3)
+@sampled(2)
 @pytest.mark.parametrize(("name", "changes"), DRIVES)
 def test_moving_drives_against_the_reference(name: str, changes: scene_files.Changes) -> None:
     scene = scene_files.load(name, changes)
@@ -73,6 +73,7 @@ def test_moving_drives_against_the_reference(name: str, changes: scene_files.Cha
     assert max(worst(errors(motion, expected)).values()) <= 2e-4
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["swung_bucket", "elbow"])
 def test_moving_drives_are_second_order(name: str) -> None:
     scene = scene_files.load(name, {"drive.speed": 0.5} if name == "swung_bucket" else scene_files.NONE)

@@ -21,6 +21,7 @@ from sim_models.pymunk.settings import AnySettings, PymunkSettings, TextbookSett
 from sim_models.pymunk.start import start
 from tests import scene_files
 from tests.agreement import errors
+from tests.comparisons import sampled
 
 from .runs import driven_slider, reference, slider_crank, solve
 
@@ -139,6 +140,7 @@ def test_refused_by_name_and_place(case: str) -> None:
     assert reason in failure.reason
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("scene", "largest"),
     [

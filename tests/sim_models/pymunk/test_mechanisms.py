@@ -36,7 +36,7 @@ def beside_knots(scene: Scene, sampling: Sampling, step: float) -> NDArray[np.bo
     return np.asarray(np.abs(times[:, None] - knots).min(axis=1) <= step)
 
 
-@sampled(4)
+@sampled(2)
 @pytest.mark.parametrize("name", NAMES)
 def test_mechanism_against_the_reference(name: str) -> None:
     scene, sampling = scene_files.load(name), Sampling(36)
@@ -50,7 +50,7 @@ def test_mechanism_against_the_reference(name: str) -> None:
         assert error.max() <= tolerance, channel
 
 
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize("name", ["shaper", "swinging_block", "cross_slide", "driven_toggle", "turning_law"])
 def test_mechanisms_are_second_order(name: str) -> None:
     scene, sampling = scene_files.load(name), Sampling(24)
@@ -88,7 +88,7 @@ def test_press_force_is_whole_or_absent_at_its_switch() -> None:
 
 
 # Measured: 2e-4, 3e-5 and 2e-7; by the mean accelerations of the steps 3e-3, 1e-3 and 3e-4.
-@sampled(2)
+@sampled(1)
 @pytest.mark.parametrize(("settings", "largest"), [(FAST, 1e-3), (DEFAULT, 1e-4), (EXACT, 2e-6)])
 @pytest.mark.parametrize("name", ["swinging_law", "turning_law"])
 def test_knots_cost_no_accuracy(name: str, settings: PymunkSettings, largest: float) -> None:

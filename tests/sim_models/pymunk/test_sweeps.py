@@ -15,6 +15,7 @@ from sim_models.pymunk.space import Model
 from sim_models.pymunk.start import start
 from sim_models.pymunk.sweeps import contraction, contractions, sweeps_needed
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .runs import Array, solve
 
@@ -58,6 +59,7 @@ def holds(scene: Scene, steps: int, sweeps: int) -> bool:
 
 
 # Measured: runs hold from 36, 70 and 27 sweeps on.
+@sampled(1)
 @pytest.mark.parametrize(("name", "needed"), [("toggle_press", 55), ("double_toggle_clamp", 81), ("quick_return", 30)])
 def test_theory_tells_where_runs_begin_to_hold(name: str, needed: int) -> None:
     scene = scenes.load(name)
