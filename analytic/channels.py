@@ -10,7 +10,8 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.arguments import known_names
-from scenes.model.motion import Samples, friction_channels
+from scenes.channels import TO_LOCK, TRANSMISSION, Role, own_channel
+from scenes.model.motion import Samples
 
 from .core.decomposition import Dyad, Linkage, members
 from .core.dyads import Vectors, dot
@@ -27,31 +28,32 @@ def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple
 
     Last are those that only this model has: how far a group is from a singular configuration.
     """
-    for point in scene.moving_points:
-        for q, of in (("", "z"), ("v", "v"), ("a", "a")):
-            yield (f"{point}.{q}x", f"{point}.{q}y"), partial(lambda of, point, k, _: getattr(k, of)[point], of, point)
+    known = scene.channels
+    for point, vectors in known.points.items():
+        for both, level in zip(vectors, ("z", "v", "a"), strict=True):
+            yield both, partial(lambda level, point, k, _: getattr(k, level)[point], level, point)
     for pin in scene.pins if scene.has_masses else ():
-        yield (f"{pin.channel}.fx", f"{pin.channel}.fy"), partial(lambda at, _, on: on.pin[at], (pin.point, pin.second))
-    for body in scene.turning:
-        yield (f"{body}.angle",), partial(lambda body, k, _: np.arctan2(k.u[body].imag, k.u[body].real), body)
-        yield (f"{body}.omega",), partial(lambda body, k, _: k.omega[body], body)
-        yield (f"{body}.alpha",), partial(lambda body, k, _: k.alpha[body], body)
+        yield known.pins[pin.channel], partial(lambda joint, _, on: on.pin[joint], (pin.point, pin.second))
+    for body, rates in known.bodies.items():
+        yield (rates.angle,), partial(lambda body, k, _: np.arctan2(k.u[body].imag, k.u[body].real), body)
+        yield (rates.omega,), partial(lambda body, k, _: k.omega[body], body)
+        yield (rates.alpha,), partial(lambda body, k, _: k.alpha[body], body)
+    for slider, names in known.guides.items():
+        for part, name in enumerate(names):
+            yield (name,), partial(lambda slider, part, _, on: on.guide[slider][part], slider, part)
     if scene.has_masses:
-        for name in scene.slides:
-            for part, q in enumerate(("force", "moment")):
-                yield (f"{name}.guide_{q}",), partial(lambda name, part, _, on: on.guide[name][part], name, part)
-        yield (scene.effort_channel,), lambda _, on: on.effort
-        for name in friction_channels(scene):
+        yield (known.drive.effort,), lambda _, on: on.effort
+        for name in known.names(Role.friction):
             yield (name,), partial(lambda name, _, on: on.friction[name], name)
     for group in groups:
         if not isinstance(group, Group):
-            yield (f"{group.P}.transmission",), partial(_transmission, group.P)
-        yield (f"{group.P}.to_lock",), partial(_to_lock, group)
+            yield (own_channel(group.P, TRANSMISSION),), partial(_transmission, group.P)
+        yield (own_channel(group.P, TO_LOCK),), partial(_to_lock, group)
 
 
 def of_larger(groups: Iterable[Dyad | Group]) -> frozenset[str]:
     """The channels of larger groups' distances to a singular pose, which take many times as long as all others."""
-    return frozenset(f"{group.P}.to_lock" for group in groups if isinstance(group, Group))
+    return frozenset(own_channel(group.P, TO_LOCK) for group in groups if isinstance(group, Group))
 
 
 def asked(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None) -> tuple[Sampling, Linkage]:
@@ -61,9 +63,10 @@ def asked(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None) -> tu
     """
     if channels is None:
         return Sampling(), whole
-    names = (name for names, _ in all_channels(scene, whole.groups) for name in names)
-    request = Sampling(channels=known_names("channels", channels, ("time", scene.drive_channel, *names)))
-    wanted = {channel.rpartition(".")[0] for channel in request.channels or ()}
+    given, known = scene.channels.names(Role.time, Role.input), all_channels(scene, whole.groups)
+    every = (*given, *(name for names, _ in known for name in names))
+    request = Sampling(channels=known_names("channels", channels, every))
+    wanted = {scene.channels[channel].subject for channel in (request.channels or frozenset()).difference(given)}
     count = len(whole.groups)
     while count and wanted.isdisjoint(_names(whole, whole.groups[count - 1])):
         count -= 1

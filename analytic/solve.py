@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 
 from scenes import Failure, InputError, Motion, Request, Scene, Status
 from scenes.arguments import finite_numbers
+from scenes.channels import Role
 from scenes.drive import Driven
 from scenes.model.inputs import Inputs, passing
 from scenes.model.lookup import Later
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from .channels import FromBoth, all_channels, asked, of_larger
@@ -39,7 +40,6 @@ from .way.windings import Winding, windings
 np.empty(31 << 17)
 RECORDED_FROM = 40_001  # positions of all calls, where recording, some ms, pays: the line takes half the formulas' time
 LONG = 1000  # positions of a call: a shorter one is by the formulas whatever else is solved, to the last digit
-STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities that need no rates
 
 
 def solve(
@@ -159,8 +159,7 @@ class Solver:
 
     def _by_formulas(self, driven: Driven, time: Samples) -> dict[str, Samples]:
         """The channels by the formulas themselves, block by block."""
-        rates = any(quantity(channel) not in STILL for channel in self.known)
-        motion_at = self.motion_at or partial(kinematics, rates=rates)
+        motion_at = self.motion_at or partial(kinematics, rates=self.needs_rates)
         scene, linkage, position = self.scene, self.linkage, driven.position
         kinds = position.dtype, np.result_type(position.dtype, np.complex64)
         rows = {
@@ -222,6 +221,12 @@ class Solver:
     def known(self) -> tuple[str, ...]:
         """The channels wanted that are no model's own, in the order of the files."""
         return self.request.wanted(self.scene)
+
+    @cached_property
+    def needs_rates(self) -> bool:
+        """Whether any channel wanted is more than a place or an angle."""
+        wanted = (self.scene.channels[name] for name in self.known)
+        return any(channel.role is not Role.time and channel.order != 0 for channel in wanted)
 
     @cached_property
     def own(self) -> tuple[str, ...]:

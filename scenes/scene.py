@@ -15,6 +15,7 @@ from pydantic import Field
 
 from . import limits
 from .bodies import GROUND, Body, DrawnBody, Slide
+from .channels import DIMENSIONS, Channels
 from .drive import ConstantSpeed, Drive, DriveLaw, HarmonicLaw, MotionLaw, SegmentedLaw
 from .elements.friction import Friction, GuideFriction, PinFriction
 from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
@@ -235,6 +236,11 @@ class Scene:
         slides = ((name, self.slides.get(name)) for name in self.owners[point])
         return next(((name, slide) for name, slide in slides if slide is not None and slide.on == GROUND), None)
 
+    @cached_property
+    def channels(self) -> Channels:
+        """The table of its channels."""
+        return Channels(self)
+
     @property
     def drive_channel(self) -> str:
         """The channel of the drive's position."""
@@ -244,6 +250,11 @@ class Scene:
     def effort_channel(self) -> str:
         """The channel of what the drive does."""
         return self.drive.effort_channel
+
+    def unit_of(self, channel: str) -> tuple[str, float]:
+        """The unit of a channel or magnitude in the file, and its size in SI: of velocities its length a second."""
+        si = self.channels[channel].unit
+        return self.all_units[DIMENSIONS[si]] if si in DIMENSIONS else (si, 1.0)
 
     @cached_property
     def all_units(self) -> Mapping[str, tuple[str, float]]:

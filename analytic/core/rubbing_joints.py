@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from scenes import Failure, Status
+from scenes.channels import POWER
 from scenes.elements.friction import AT_REST
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed, Friction, PinFriction
@@ -39,7 +40,7 @@ class FrictionBalance(Balance):
         on = super().solve()
         if on.friction:
             power = (on.friction[one.channel(self.scene)] * self.motion(one)[0] for one in self.scene.friction)
-            on.friction["friction.power"] = reduce(np.add, power)
+            on.friction[POWER] = reduce(np.add, power)
         return on
 
     def balance(self, group: Dyad | Group | Leg) -> None:
@@ -203,5 +204,5 @@ class FrictionBalance(Balance):
         if not low[1:].any():
             return all_of_them
         one = scene.friction[(number := int(low[1:].argmax()))]
-        joint, least = channels[number].rpartition(".")[0], f"{low[1 + number] * one.coefficient:.4g}"
+        joint, least = one.joint(scene), f"{low[1 + number] * one.coefficient:.4g}"
         return f"{all_of_them}, or with {least} instead of {one.coefficient:.4g} at {joint} alone"

@@ -26,8 +26,9 @@ from numpy.typing import NDArray
 
 from scenes import Scene
 from scenes.arguments import finite_numbers, refuse, scene_of
+from scenes.channels import Role
 from scenes.model.enclosures import Assemblies, Assembly
-from scenes.model.motion import Samples, kinematic_channels
+from scenes.model.motion import Samples
 
 from ..core.decomposition import Dyad, Linkage, decompose, guides_cross
 from ..core.groups.continuation import Track
@@ -72,7 +73,8 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
         ways = [drawn]
     several = len(_branches(whole)) == len(whole.groups) and 2 ** len(whole.groups) <= MOST
     known = _circuits(scene, whole, float(at[0])) if circuits and several else {}
-    own, channels, made = motion_at(scene, drawn, at).z, frozenset(kinematic_channels(scene)[2:]), list[Assembly]()
+    own, channels = motion_at(scene, drawn, at).z, frozenset(scene.channels.names(Role.kinematic))
+    made = list[Assembly]()
     for way in ways:
         z = motion_at(scene, way, at).z
         if not all(np.isfinite(z[point]).all() for point in scene.moving_points):

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from scenes import Scene
 from scenes.arguments import known_names
+from scenes.channels import TRANSMISSION, own_channel
 from scenes.drive import ConstantSpeed, DriveLaw, Driven
 from scenes.laws import Piece
-from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
+from scenes.model.motion import Samples
 
 from ..channels import all_channels
 from ..core.decomposition import decompose
@@ -64,8 +65,8 @@ class Boxes:
         self.edges = cycle_edges(scene, 0, 1)
         self.way = float(np.ptp(self.edges))  # of a cycle
         whole = decompose(scene)
-        angles = [f"{group.P}.{TRANSMISSION}" for group in whole.groups if not isinstance(group, Group)]
-        parts, channels = {**magnitudes(scene), TRANSMISSION: angles}, None
+        angles = [own_channel(group.P, TRANSMISSION) for group in whole.groups if not isinstance(group, Group)]
+        parts, channels = {**scene.channels.magnitudes, TRANSMISSION: angles}, None
         if names is not None:
             every = {*parts, *(name for own, _ in all_channels(scene, whole.groups) for name in own)}
             known_names("names", names, every)
@@ -82,11 +83,11 @@ class Boxes:
                 of, least = [rows[part] for part in own], partial(make, "minimum")
                 rows[name] = reduce(least, of) if name == TRANSMISSION else abs(Traced(make, *of)).x
         self.names = [name for name in rows if names is None or name in names]
-        units = [UNITS[quantity(name)] for name in self.names]
+        units = [scene.channels[name].unit for name in self.names]
         self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
         self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
         self.most = MOST // SLOWER if self.core.linkage.tracks else MOST
-        turning = [body for body in scene.turning if f"{body}.angle" in rows]
+        turning = [body for body, channels in scene.channels.bodies.items() if channels.angle in rows]
         self.windings = {**self.core.windings, **attitudes(scene, self.core.linkage, turning)}
         self.numbers: dict[str, TaylorModel] = {}
         for path, number in scene.numbers.items():

@@ -11,7 +11,6 @@ from math import tau
 
 from scenes.drive import ConstantSpeed
 from scenes.model.enclosures import Enclosure, Enclosures
-from scenes.model.motion import quantity
 
 from ..core.elements import wound
 from ..way.windings import Winding, attitude
@@ -67,7 +66,8 @@ def _gain(boxes: Boxes, winding: Winding) -> float:
 
 def _gained(boxes: Boxes, row: Enclosure, cycles: int) -> Enclosure:
     """An extreme of so many more cycles: an angle's is in the last of them if it goes that way."""
-    winding = boxes.windings.get(attitude(row.channel.rpartition(".")[0])) if quantity(row.channel) == "angle" else None
+    channel = boxes.scene.channels[row.channel]
+    winding = boxes.windings.get(attitude(channel.subject)) if channel.modulo_turn else None
     gain = cycles * _gain(boxes, winding) if winding and cycles else 0.0
     if not (gain > 0 if row.extreme == "most" else gain < 0):
         return row

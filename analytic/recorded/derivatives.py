@@ -36,7 +36,7 @@ def derivatives(
         channels: as of `solve`.
 
     Returns:
-        By channel, shape (p, n): its unit (`scenes.model.motion.UNITS`) over the file's unit of each number.
+        By channel, shape (p, n): its unit (`scenes.channels`) over the file's unit of each number.
 
     Raises:
         Failure: as of `solve`.

@@ -40,7 +40,7 @@ class Machines:
     reason: Sequence[str]  # why the status is not ok; empty where it is
 
     def __getitem__(self, channel: str) -> Samples:
-        """Return the samples of a channel by its name, shape (m, n), in the unit of `scenes.model.motion.UNITS`."""
+        """Return the samples of a channel by its name, shape (m, n), in the unit of `scenes.channels`."""
         return Motion(self.samples)[channel]
 
     def __contains__(self, channel: str) -> bool:

@@ -127,10 +127,10 @@ def recorded(
             value = traced(make, take(k, on))
             parts = zip(names, (value.x, value.y), strict=False)
             expressions |= {name: part for name, part in parts if name in wanted}
-    for body in scene.turning if proven else ():
-        if f"{body}.angle" in expressions:
+    for body, rates in scene.channels.bodies.items() if proven else ():
+        if rates.angle in expressions:
             rough = Traced(make, make.input(attitude(body), sampled=True))
-            expressions[f"{body}.angle"] = traced(make, continued(rough, k.u[body])).x
+            expressions[rates.angle] = traced(make, continued(rough, k.u[body])).x
     branches = ((f"the branch of {group.P}", group.branch) for group in every.groups if not isinstance(group, Group))
     # A branch is zero where the sketch leaves it open.
     drawn = {name: chosen(own * own > 0, 1.0, -1.0) for name, own in branches if isinstance(own, Traced)}

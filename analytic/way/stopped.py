@@ -7,8 +7,8 @@ import numpy as np
 
 from scenes import Failure, Scene
 from scenes.arguments import scene_of
+from scenes.channels import Role
 from scenes.model.enclosures import MotionRange
-from scenes.model.motion import kinematic_channels
 
 from ..core.decomposition import decompose
 from ..core.kinematics import followed
@@ -56,7 +56,7 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     way = way[np.all([np.broadcast_to(np.isfinite(posed[point]), way.shape) for point in scene.moving_points], axis=0)]
     if not len(way):
         return None
-    places = frozenset(c for c in kinematic_channels(scene)[2:] if c.rpartition(".")[2] in ("x", "y", "angle"))
+    places = frozenset(c for c in scene.channels.names(Role.kinematic) if scene.channels[c].order == 0)
     solver = replace(prepared(scene, linkage, places), as_sketched=False)  # the range ends where assemblies meet
     motion = solver(way, np.zeros(len(way)))
     beyond = end + np.sign(end - begin) * BESIDE[1:2] * abs(end - begin)

@@ -16,9 +16,8 @@ from compare.cli import arguments
 from compare.cli import command as command_line
 from compare.measure.many import grid
 from compare.results.mapping import MappingFile
-from scenes import Status, limits
+from scenes import Status, channels, limits
 from scenes.file.format import SceneFile
-from scenes.model import motion
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference.md"
 HEAD = """# Reference
@@ -54,8 +53,8 @@ def _parts() -> Iterator[str]:
     yield "## Mapping of a result\n\nThe file beside a table, for `--result`; numbers are in its own units."
     yield from _file(MappingFile)
     yield "## Limits\n\n" + _table(("of", "at most"), ((what, f"{most:,}") for what, most in LIMITS))
-    yield "## Channels\n\n" + _docstring(motion)
-    units = ((f"`{quantity}`", unit) for quantity, unit in motion.UNITS.items())
+    yield "## Channels\n\n" + _docstring(channels)
+    units = {f"`{quantity.name}`": quantity.unit for quantity in channels.QUANTITIES}.items()
     yield "CSV files have the unit in the heading, as `P5.y [m]`.\n\n" + _table(("quantity", "unit"), units)
     yield "## Statuses\n\n" + _table(("status", "meaning"), ((f"`{each.name}`", each.value) for each in Status))
     yield "## Command line\n\n" + _table(("option", "meaning"), _options())

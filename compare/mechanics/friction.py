@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
+from scenes.channels import POWER
 from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import Friction, PinFriction
@@ -70,7 +71,7 @@ def newtons(mechanics: Mechanics, state: MotionVectors) -> dict[str, Samples]:
         changed = np.full_like(power, coefficient(one) * arm)
         each[one.channel(mechanics.scene)] = changed
         power = power + changed * np.abs(rate(state, one))
-    return {**each, "friction.power": power} if each else each
+    return {**each, POWER: power} if each else each
 
 
 def by_law(state: MotionVectors, forces: Mapping[str, Samples]) -> dict[str, Samples]:
@@ -81,7 +82,7 @@ def by_law(state: MotionVectors, forces: Mapping[str, Samples]) -> dict[str, Sam
         sense = np.sign(moving) if one.smooth is None else np.tanh(moving / one.smooth)
         law[one.channel(scene)] = -sense * coefficient(one) * load(scene, one, forces) - (one.viscous or 0.0) * moving
     power = sum(state.motion[one.channel(scene)] * rate(state, one) for one in scene.friction)
-    return {**law, "friction.power": np.asarray(power)} if law else law
+    return {**law, POWER: np.asarray(power)} if law else law
 
 
 def contraction(mechanics: Mechanics, motion: Motion) -> Samples:

@@ -56,9 +56,13 @@ class PinFriction(_Friction):
         """The pin; of several at the point the first, unless the body is another one's."""
         return next(pin for pin in scene.pins if pin.point == self.at and self.body in (None, pin.second))
 
+    def joint(self, scene: "Scene") -> str:
+        """What the channels of the pin are named by."""
+        return self.pin(scene).channel
+
     def channel(self, scene: "Scene") -> str:
         """The channel of the moment on the pin's later body."""
-        return f"{self.pin(scene).channel}.friction_moment"
+        return f"{self.joint(scene)}.friction_moment"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +73,10 @@ class GuideFriction(_Friction):
     length: Length  # m, of the contact, with its middle at the slider's first point
     viscous: Damping | None = None  # N s/m
     smooth: SlidingRate | None = None  # m/s
+
+    def joint(self, _: "Scene") -> str:
+        """What the channels of the guide are named by."""
+        return self.slider
 
     def channel(self, _: "Scene") -> str:
         """The channel of the force on the slider along its guide."""

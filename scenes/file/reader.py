@@ -19,11 +19,11 @@ from typing import Any
 
 from ..arguments import refuse, scene_of, single_values
 from ..bodies import SlideTable
+from ..channels import TRANSMISSION, Role
 from ..errors import InputError, at_place, nearest, one_line
 from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
 from ..limits import SOURCE, TITLE
-from ..model.motion import TRANSMISSION, channels, magnitudes, unit_of
 from ..scene import GROUND, LimitTable, Scene, Sketch
 from .changes import Value, change, check_variations, label, numbers
 from .consistency import check
@@ -172,7 +172,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
 
 def _limits(table: SceneFile, scene: Scene) -> Mapping[str, LimitTable]:
     held: dict[str, LimitTable] = {}
-    known = [*channels(scene)[2:], *magnitudes(scene), TRANSMISSION]  # the first are the time and the drive's position
+    known = [*scene.channels.names(Role.kinematic, Role.force, Role.friction, Role.magnitude), TRANSMISSION]
     for name, limit in table.limits.items():
         place = f"limits.{name}"
         if name not in known:
@@ -181,7 +181,7 @@ def _limits(table: SceneFile, scene: Scene) -> Mapping[str, LimitTable]:
             raise InputError(f"{place}: expected 'least', 'most' or both")
         if limit.least is not None and limit.most is not None and limit.least > limit.most:
             raise InputError(f"{place}.least: expected {limit.most:g}, the most, or less, found {limit.least:g}")
-        _, size = unit_of(scene, name)
+        _, size = scene.unit_of(name)
         held[name] = LimitTable(**{end: value * size for end, value in limit.model_dump(exclude_none=True).items()})
     return MappingProxyType(held)
 

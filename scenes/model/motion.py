@@ -1,53 +1,14 @@
-"""What a model is asked for, and the motion that it returns: named channels, their units and sign rules.
-
-| channel | meaning |
-|---|---|
-| `time`, `crank_angle` | the sample's instant; the angle of the crank's x axis that the engine really has, continuous |
-| `drive.displacement` | instead, where a slider is driven: of its first point along `along` from `through` |
-| `P.x .y .vx .vy .ax .ay` | a moving point, ground frame |
-| `body.angle .omega .alpha` | a turning body's x axis, counter-clockwise positive; the angle counts modulo one turn |
-| `P.fx .fy` | the force that the pin's body named first in the file exerts on the later one; ground comes before all |
-| `P/body.fx .fy` | the same for a third body at one point: the force of the first body on it |
-| `body.guide_force` | from its guide on the slider, along `along` turned +90 degrees, in the frame of the guide |
-| `body.guide_moment` | from its guide on the slider, about the slider's first point, counter-clockwise positive |
-| `drive.torque` | what the drive does on the crank |
-| `drive.force` | what the drive does on the driven slider's first point, along `along` |
-| `P.friction_moment`, `P/body.friction_moment` | of friction on the later body of the pin |
-| `body.friction_force` | of friction on the slider, along `along` |
-| `friction.power` | of all friction: at most zero |
-
-Of the analytic core alone, since the other engines know no Assur groups, by the group's inner joint:
-
-| channel | meaning |
-|---|---|
-| `P.transmission` | from 0 in a singular configuration to a right angle: of two bars, or a bar and a guide's normal |
-| `P.to_lock` | the least change of one length, or of a guide's offset, that makes the group singular |
-
-Enclosures bound channels between the samples too, and these magnitudes:
-
-| magnitude | meaning |
-|---|---|
-| `P.speed`, `P.acceleration`, `P.force` | how large the velocity, the acceleration, the force at a pin is |
-| `P/body.force` | the same for a third body at one point; and of a pin called `drive` where the drive has a force |
-| `transmission` | the least transmission angle of all dyads |
-
-Samples of an angle, and files of them, count modulo one turn; bounds and limits go on over whole turns, from more than
--180 to 180 degrees at the drive's start.
-
-The drive stays where it is, and all other lengths as they are; lengths are those of links between their two pins. Of a
-dyad it is exact, of a larger group to 1e-5 of itself, near to a singular configuration and far from it alike. A guide
-that crosses another would have to be turned: `to_lock` is the sine of their angle times the linkage's longest
-arm, which is the largest distance of two points, or of a point from a guide, on one body or the ground.
-"""
+"""What a model is asked for, and the motion that it returns: samples by the names of `scenes.channels`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from html import escape
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from ..channels import QUANTITIES, Role
+from ..channels import TRANSMISSION as TRANSMISSION
 from ..drive import ConstantSpeed
 from ..drive import Samples as Samples  # which most who read a motion name
 from ..errors import InputError, nearest
@@ -58,77 +19,56 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-TRANSMISSION = "transmission"  # the least angle of all dyads
 FEWEST = 8  # samples of a cycle: of fewer no course is seen
 WIDTH, HEIGHT, MARGIN = 120, 24, 2  # px, of a sparkline
-UNITS: Mapping[str, str] = {
-    **dict.fromkeys(("x", "y", "displacement", "to_lock"), "m"),
-    **dict.fromkeys(("crank_angle", "angle", "transmission"), "rad"),
-    **dict.fromkeys(("fx", "fy", "guide_force", "force", "friction_force"), "N"),
-    **dict.fromkeys(("guide_moment", "torque", "friction_moment"), "N*m"),
-    **{"time": "s", "vx": "m/s", "vy": "m/s", "ax": "m/s^2", "ay": "m/s^2", "omega": "rad/s", "alpha": "rad/s^2"},
-    **{"power": "W", "speed": "m/s", "acceleration": "m/s^2"},
-}
-# Of the units that a file may name; the others are SI in files too.
-DIMENSIONS = {"m": "length", "rad": "angle", "N": "force", "N*m": "moment", "m/s": "sliding_rate"}
+UNITS = {quantity.name: quantity.unit for quantity in QUANTITIES}
 
 
-@cache
 def quantity(channel: str) -> str:
     """What a channel measures, a key of `UNITS`: `P5.y` -> `y`, `time` -> `time`."""
     return channel.rpartition(".")[2]
 
 
-def header(channel: str) -> str:
-    """The CSV header of a channel: `P5.y [m]`."""
-    return f"{channel} [{UNITS[quantity(channel)]}]"
-
-
 def kinematic_channels(scene: Scene) -> tuple[str, ...]:
     """The names of a scene's channels that describe the motion, in the order of the files."""
-    points = tuple(f"{point}.{q}" for point in scene.moving_points for q in ("x", "y", "vx", "vy", "ax", "ay"))
-    turning = (f"{body}.{q}" for body in scene.turning for q in ("angle", "omega", "alpha"))
-    return ("time", scene.drive_channel, *points, *turning)
+    return scene.channels.names(Role.time, Role.input, Role.kinematic)
 
 
 def force_channels(scene: Scene) -> tuple[str, ...]:
     """The names of a scene's channels that describe the forces; none in a kinematic scene."""
-    if not scene.has_masses:
-        return ()
-    pins = tuple(f"{pin.channel}.{q}" for pin in scene.pins for q in ("fx", "fy"))
-    guides = (f"{body}.{q}" for body in scene.slides for q in ("guide_force", "guide_moment"))
-    return (*pins, *guides, scene.effort_channel)
-
-
-def unit_of(scene: Scene, name: str) -> tuple[str, float]:
-    """The unit of a channel or magnitude in the scene's file, and its size in SI: of velocities its length a second."""
-    si = UNITS[quantity(name)]
-    return scene.all_units[DIMENSIONS[si]] if si in DIMENSIONS else (si, 1.0)
+    return scene.channels.names(Role.force)
 
 
 def friction_channels(scene: Scene) -> tuple[str, ...]:
     """The names of the channels of friction, in the order of the files; none where there are no forces."""
-    joints = tuple(one.channel(scene) for one in scene.friction if scene.has_masses)
-    return (*joints, "friction.power") if joints else ()
+    return scene.channels.names(Role.friction)
 
 
 def channels(scene: Scene) -> tuple[str, ...]:
     """The names of all channels of a scene, in the order of the files."""
-    return kinematic_channels(scene) + force_channels(scene) + friction_channels(scene)
+    return scene.channels.names()
 
 
 def magnitudes(scene: Scene) -> Mapping[str, tuple[str, str]]:
     """The names of a scene's magnitudes, with the two channels that each is the length of; not the least angle."""
-    rates = {"speed": "v", "acceleration": "a"}
-    of = {f"{p}.{name}": (f"{p}.{q}x", f"{p}.{q}y") for name, q in rates.items() for p in scene.moving_points}
-    pins = scene.pins if scene.has_masses else ()
-    return of | {force_at(scene, pin): (f"{pin.channel}.fx", f"{pin.channel}.fy") for pin in pins}
+    return scene.channels.magnitudes
 
 
 def force_at(scene: Scene, pin: Pin) -> str:
-    """The name of how large a pin's force is: `P.force`, and with its later body where that is the drive's channel."""
-    name = f"{pin.channel}.force"
-    return f"{pin.point}/{pin.second}.force" if name == scene.effort_channel else name
+    """The name of how large a pin's force is."""
+    found = scene.channels.find("pin", pin.channel, "force")
+    assert found is not None
+    return found.name
+
+
+def unit_of(scene: Scene, name: str) -> tuple[str, float]:
+    """The unit of a channel or magnitude in the scene's file, and its size in SI."""
+    return scene.unit_of(name)
+
+
+def header(channel: str) -> str:
+    """The CSV header of a channel, `P5.y [m]`: by the end of its name, since a motion does not know its scene."""
+    return f"{channel} [{UNITS[channel.rpartition('.')[2]]}]"
 
 
 @dataclass(frozen=True)
@@ -184,13 +124,15 @@ class _Channels:
 
     def wanted(self, scene: Scene) -> tuple[str, ...]:
         """The names of the wanted channels, with time and drive, in the order of the files."""
-        known = channels(scene)
-        wanted = {"time", scene.drive_channel, *(known if self.channels is None else self.channels)}
+        known = scene.channels.names()
+        if self.channels is None:
+            return known
+        wanted = self.channels.union(scene.channels.names(Role.time, Role.input))
         return tuple(channel for channel in known if channel in wanted)
 
     def wants_forces(self, scene: Scene) -> bool:
         """Whether any force channel is wanted; if not, no model needs to find one."""
-        forces = force_channels(scene) + friction_channels(scene)
+        forces = scene.channels.names(Role.force, Role.friction)
         return bool(forces) if self.channels is None else not self.channels.isdisjoint(forces)
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import casadi
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
-from scenes.model.motion import force_channels, kinematic_channels
+from scenes.channels import Role
 from scenes.scene import GROUND, Force, Load, PressForce, Spring
 
 from ..coordinates.system import System
@@ -131,14 +131,15 @@ class SymbolicLinkage:
 def channels(linkage: SymbolicLinkage, multipliers: Any) -> dict[str, Any]:
     """All channels but the time, by coordinates, their rates and the multipliers of the constraints."""
     scene, x, v, a = linkage.scene, linkage.x, linkage.v, linkage.a
-    values = [linkage.drive_position]
-    for point in scene.moving_points:
+    known: dict[str, Any] = {scene.channels.drive.position: linkage.drive_position}
+    for point, names in scene.channels.points.items():
         place = linkage.point(scene.owners[point][0], point)
         velocity = jtimes(place, x, v)
-        for vector in (place, velocity, jtimes(velocity, x, v) + jtimes(velocity, v, a)):
-            values += casadi.vertsplit(vector)
-    for body in scene.turning:
-        values += [level[3 * linkage.index[body] + 2] for level in (x, v, a)]
+        vectors = place, velocity, jtimes(velocity, x, v) + jtimes(velocity, v, a)
+        for both, vector in zip(names, vectors, strict=True):
+            known |= zip(both, casadi.vertsplit(vector), strict=True)
+    for body, rates in scene.channels.bodies.items():
+        known |= zip(rates, (level[3 * linkage.index[body] + 2] for level in (x, v, a)), strict=True)
     if scene.has_masses:
-        values += casadi.vertsplit(multipliers / linkage.row_units)
-    return dict(zip((*kinematic_channels(scene)[1:], *force_channels(scene)), values, strict=True))
+        known |= zip(scene.channels.names(Role.force), casadi.vertsplit(multipliers / linkage.row_units), strict=True)
+    return known

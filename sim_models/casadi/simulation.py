@@ -5,7 +5,6 @@ import numpy as np
 from casadi import MX, SX, Function
 
 from scenes import Failure, Motion, Request, Scene, Status
-from scenes.model.motion import quantity
 
 from ..coordinates.loads import SHORTEST_SPRING
 from ..coordinates.settings import PoseSettings
@@ -83,7 +82,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         J, unit = jacobian(x), np.eye(count)[:, -1] / self._system.drive_unit
         v = casadi.solve(J, unit * rate, SOLVER)
         a = multipliers = MX.zeros(count)
-        if self._forces or any(quantity(channel) in ("ax", "ay", "alpha") for channel in self._wanted):
+        if self._forces or any(self._scene.channels[name].order == 2 for name in self._wanted):
             a = casadi.solve(J, unit * acceleration - bend(x, v), SOLVER)
         if self._forces:
             known = [linkage.x, linkage.v, linkage.a, linkage.stroke_ends]

@@ -6,6 +6,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from scenes import Motion, Request, Sampling, Scene
+from scenes.channels import Role
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 
@@ -30,7 +31,7 @@ class CoordinateSimulation(Generic[S]):
         self._each = -(-(steps or 0) // self._samples)  # steps from a sample to the next
         self._steps = self._each * self._samples * self._turns
         self._times, self._positions = request.times(scene), request.commanded(scene)
-        self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]
+        self._wanted = [name for name in request.wanted(scene) if scene.channels[name].role is not Role.time]
         self._forces = request.wants_forces(scene)
         self._channels: Mapping[str, Samples] = {}
         self.counters: Mapping[str, int] = {}

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenes import Scene
-from scenes.model.motion import Samples, kinematic_channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .bodies import End, MovingBody, framed_body, linkage_size
@@ -184,14 +184,15 @@ class System:
 
     def kinematics(self, bodies: Mapping[str, MovingBody]) -> dict[str, Any]:
         """Return the channels that describe the motion of bodies, but the time."""
-        values = [self.driven(bodies)]
-        for point in self.scene.moving_points:
+        channels = self.scene.channels
+        samples = {channels.drive.position: self.driven(bodies)}
+        for point, names in channels.points.items():
             body = self.scene.owners[point][0]
-            for vector in bodies[body].at(self.arms[body, point]):
-                values += [vector.real, vector.imag]
-        for name in self.scene.turning:
-            values += bodies[name].turning
-        return dict(zip(kinematic_channels(self.scene)[1:], values, strict=True))
+            for (x, y), vector in zip(names, bodies[body].at(self.arms[body, point]), strict=True):
+                samples |= {x: vector.real, y: vector.imag}
+        for name, rates in channels.bodies.items():
+            samples |= zip(rates, bodies[name].turning, strict=True)
+        return samples
 
     def applied(self, bodies: Mapping[str, MovingBody], ends: Samples) -> Iterator[Wrench]:
         """Yield what loads and springs do, see `loads`."""

@@ -7,7 +7,7 @@ plane are complex numbers, x + iy.
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.model.motion import force_channels, kinematic_channels
+from scenes.channels import Role
 from scenes.scene import GROUND
 
 from .system import Array, ExudynSystem
@@ -25,23 +25,25 @@ def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
 def kinematics(system: ExudynSystem, q: Array, v: Array, a: Array | None = None) -> dict[str, Array]:
     """The channels of points and angles, by coordinates, their rates and accelerations; without these not a number."""
     scene, levels = system.scene, (q, v, np.full_like(q, np.nan) if a is None else a)
-    values = [system.driven(q)]
-    for point in scene.moving_points:
+    samples = {scene.channels.drive.position: system.driven(q)}
+    for point, names in scene.channels.points.items():
         body = scene.owners[point][0]
         (c, phi), (dc, omega), (ddc, alpha) = (system.pose_of(body, of) for of in levels)
         arm = system.bodies[body].points[point] * np.exp(1j * phi)
-        for vector in (c + arm, dc + 1j * omega * arm, ddc + (1j * alpha - omega**2) * arm):
-            values += [vector.real, vector.imag]
-    for name in scene.turning:
-        values += [system.pose_of(name, of)[1] for of in levels]
-    return dict(zip(kinematic_channels(scene)[1:], values, strict=True))
+        vectors = c + arm, dc + 1j * omega * arm, ddc + (1j * alpha - omega**2) * arm
+        for (x, y), vector in zip(names, vectors, strict=True):
+            samples |= {x: vector.real, y: vector.imag}
+    for body, rates in scene.channels.bodies.items():
+        samples |= zip(rates, (system.pose_of(body, level)[1] for level in levels), strict=True)
+    return samples
 
 
 def forces(system: ExudynSystem, multipliers: Array) -> dict[str, Array]:
     """The force channels, from multipliers in their order, shape (n, constraints)."""
-    every = dict(zip(force_channels(system.scene), -system.force_unit * multipliers.T, strict=True))
-    for name, slide in system.scene.slides.items():
-        force, moment = f"{name}.guide_force", f"{name}.guide_moment"
+    scene = system.scene
+    every = dict(zip(scene.channels.names(Role.force), -system.force_unit * multipliers.T, strict=True))
+    for name, slide in scene.slides.items():
+        force, moment = scene.channels.guides[name]
         if slide.on == GROUND:
             # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f.
             lever = system.lever(name).conjugate() * (1j * system.along(name))

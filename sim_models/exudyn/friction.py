@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Status
+from scenes.channels import Role
 from scenes.elements.friction import PinFriction
 from scenes.model.constraints import blocks
-from scenes.model.motion import friction_channels
 from scenes.scene import GROUND
 
 from .channels import forces, kinematics
@@ -54,7 +54,7 @@ class JointFriction:
         found = [self._at(*(values[rows] for values in given)) for rows in blocks(q)]
         loaded, acting, slip = map(np.concatenate, zip(*found, strict=True))
         power = (acting * slip).sum(axis=1)
-        return loaded, dict(zip(friction_channels(self._scene), [*acting.T, power], strict=True))
+        return loaded, dict(zip(self._scene.channels.names(Role.friction), [*acting.T, power], strict=True))
 
     def _at(self, q: Array, multipliers: Array, positions: Array, rates: Array) -> tuple[Array, Array, Array]:
         """The multipliers with friction, what it does, shape (n, joints), and the joints' rates."""
@@ -70,10 +70,10 @@ class JointFriction:
         return multipliers + np.einsum("nj,njc->nc", coulomb, change), viscous + coulomb, slip
 
     def _senses(self, q: Array, v: Array, slip: Array) -> Array:
-        points, still = self._scene.moving_points, np.zeros(len(q))
+        points, still = self._scene.channels.points.values(), np.zeros(len(q))
         found = kinematics(self._poses.system, q, v)
         spin = np.abs(v[:, TURN::3]).max(axis=1)
-        speed = np.max([still, *(np.hypot(found[f"{p}.vx"], found[f"{p}.vy"]) for p in points)], axis=0)
+        speed = np.max([still, *(np.hypot(*map(found.__getitem__, names.velocity)) for names in points)], axis=0)
         pairs = zip(self._scene.friction, self._pins, slip.T, strict=True)
         return np.transpose([one.sense(rate, spin if pin else speed) for one, pin, rate in pairs])
 
@@ -133,13 +133,13 @@ class JointFriction:
 def _carried(system: ExudynSystem) -> Array:
     """What joints with friction carry, N, by the multipliers, shape (joints, 2, constraints)."""
     found, rows = forces(system, np.eye(3 * len(system.bodies))), []
+    channels = system.scene.channels
     for friction in system.scene.friction:
         if isinstance(friction, PinFriction):
-            pin = friction.pin(system.scene).channel
-            rows.append([found[f"{pin}.fx"], found[f"{pin}.fy"]])
+            rows.append([found[name] for name in channels.pins[friction.joint(system.scene)]])
         else:
-            slider = friction.slider
-            rows.append([found[f"{slider}.guide_force"], found[f"{slider}.guide_moment"] * (2 / friction.length)])
+            force, moment = channels.guides[friction.slider]
+            rows.append([found[force], found[moment] * (2 / friction.length)])
     return np.array(rows)
 
 

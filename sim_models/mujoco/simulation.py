@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from scenes import Failure, Request, Scene, Status
-from scenes.model.motion import Samples, force_channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import End, MovingBody
@@ -126,9 +126,9 @@ def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends
     """
     scene = system.scene
     exerted = [*system.applied(moving, ends)]
-    channels = {force_channels(scene)[-1]: held[:, -1]}
+    channels = {scene.channels.drive.effort: held[:, -1]}
     for pin, fx, fy in zip(scene.pins, held[:, :-1:2].T, held[:, 1:-1:2].T, strict=True):
-        channels |= {f"{pin.channel}.fx": fx, f"{pin.channel}.fy": fy}
+        channels |= zip(scene.channels.pins[pin.channel], (fx, fy), strict=True)
         for body, force in ((pin.first, -fx - 1j * fy), (pin.second, fx + 1j * fy)):
             exerted.append(Wrench(body, moving[body].place(system.arms[body, pin.point]), force))
     for name in (name for name in reversed(system.carriers_first()) if name in system.guides):
@@ -141,6 +141,6 @@ def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends
             needed, moment = needed - wrench.force, moment - wrench.about(foot)
         across = 1j * along * moving[carrier].turn
         normal = (np.conj(across) * needed).real
-        channels |= {f"{name}.guide_force": normal, f"{name}.guide_moment": moment}
+        channels |= zip(scene.channels.guides[name], (normal, moment), strict=True)
         exerted.append(Wrench(carrier, foot, -across * normal, -moment))
     return channels

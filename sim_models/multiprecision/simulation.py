@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
-from scenes.model.motion import Samples, channels
+from scenes.model.motion import Samples
 
 from .constraints import LinkageEquations
 from .continuation import Continuation
@@ -137,5 +137,5 @@ class MultiprecisionSimulation:
         """Return the channels requested, in double precision."""
         scene = self._linkage.scene
         # Forces that nobody asks for are those without friction, and fewer.
-        samples = dict(zip(channels(scene), np.array(self._rows).T, strict=False))
+        samples = dict(zip(scene.channels.names(), np.array(self._rows).T, strict=False))
         return Motion({channel: samples[channel] for channel in self._request.wanted(scene)})

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio
 
 from scenes import Scene
-from scenes.model.motion import Samples, force_channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import MovingBody
@@ -110,20 +110,21 @@ class PinocchioSystem(System):
         needed = self.units * self._inverse_dynamics(bodies, motion, loads)
         multipliers = np.linalg.solve(J.T, needed) / self.row_units
         self._inverse_dynamics(bodies, motion, [*loads, *self._held(bodies, multipliers)])
-        names = [f"{pin.channel}.{part}" for pin in self.pins for part in ("fx", "fy")]
-        names += [f"{name}.{part}" for name in self.sliders for part in ("guide_force", "guide_moment")]
-        channels = dict(zip([*names, force_channels(self.scene)[-1]], multipliers, strict=True))
+        known = self.scene.channels
+        names = [name for pin in self.pins for name in known.pins[pin.channel]]
+        names += [name for slider in self.sliders for name in known.guides[slider]]
+        channels = dict(zip([*names, known.drive.effort], multipliers, strict=True))
         for joint in self._joints:
             exerted = self._data.f[self._number[joint.child]]  # by the parent, in the child's frame
             force = joint.sense * complex(*exerted.linear[:2]) * bodies[joint.child].turn
             if joint.turns:
-                channels |= {f"{joint.name}.fx": force.real, f"{joint.name}.fy": force.imag}
+                channels |= zip(known.pins[joint.name], (force.real, force.imag), strict=True)
                 continue
             carrier, _, along, first = self.guides[joint.name]
             way = bodies[joint.child].origin - bodies[joint.name].place(first)
             across, moment = 1j * bodies[carrier].turn * along, joint.sense * exerted.angular[2]
-            channels[f"{joint.name}.guide_force"] = (across.conjugate() * force).real
-            channels[f"{joint.name}.guide_moment"] = moment + (way.conjugate() * force).imag
+            normal, about_first = (across.conjugate() * force).real, moment + (way.conjugate() * force).imag
+            channels |= zip(known.guides[joint.name], (normal, about_first), strict=True)
         return channels
 
     def _held(self, bodies: Mapping[str, MovingBody], multipliers: Samples) -> Iterator[Wrench]:

@@ -2,7 +2,7 @@
 
 pymunk gives the size of a joint's impulse only. The vectors follow from the change of the velocities: there are as many
 constraints as coordinates, so M q'' = F + J^T lambda has one solution, and its lambda are the forces of the pins and
-guides and the effort of the drive, in the order and with the signs of `scenes.model.motion.force_channels`.
+guides and the effort of the drive, in the order and with the signs of the channels of `scenes.channels.Role.force`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from scenes.channels import Role
 from scenes.model.constraints import blocks
-from scenes.model.motion import Samples, force_channels, kinematic_channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, solved
@@ -72,14 +73,14 @@ def wanted_channels(
 ) -> dict[str, Samples]:
     """The channels, shape (n,), those of forces if wanted; `stroke_ends` are those of the press forces, m."""
     scene = linkage.scene
-    values = [linkage.drive_position(motion.q)]
-    for point in scene.moving_points:
+    samples = {scene.channels.drive.position: linkage.drive_position(motion.q)}
+    for point, names in scene.channels.points.items():
         body = scene.owners[point][0]
         _, *vectors = motion.of_point(linkage.index[body], linkage.arm(body, point))
-        values += [part for vector in vectors for part in (vector.real, vector.imag)]
-    for name in scene.turning:
-        values += [of[:, linkage.index[name], 2] for of in motion]
-    samples = dict(zip(kinematic_channels(scene)[1:], values, strict=True))
+        for (x, y), vector in zip(names, vectors, strict=True):
+            samples |= {x: vector.real, y: vector.imag}
+    for body, rates in scene.channels.bodies.items():
+        samples |= zip(rates, (level[:, linkage.index[body], 2] for level in motion), strict=True)
     if not forces:
         return samples
     at = instants(linkage, time, motion.q, motion.v)
@@ -100,7 +101,7 @@ def reaction_channels(linkage: LinkageConstraints, motion: Motions, forces: Pose
     flat = lacking.reshape(len(q), -1)
     poses = [solved(linkage.jacobian(q[rows]).swapaxes(1, 2), flat[rows]) for rows in blocks(q)]
     multipliers = np.concatenate(poses).reshape(len(q), -1)
-    return dict(zip(force_channels(linkage.scene), multipliers.T, strict=True))
+    return dict(zip(linkage.scene.channels.names(Role.force), multipliers.T, strict=True))
 
 
 def joint_forces(
@@ -108,7 +109,8 @@ def joint_forces(
 ) -> Samples:
     """What the engine's joints must bear, (n, joints), N: reactions, and of pins their ballast's inertia and weight."""
     force: dict[str, PlaneVector] = {joint: reactions[joint] for joint in joints if joint in reactions}
-    force |= {joint: reactions[f"{joint}.fx"] + 1j * reactions[f"{joint}.fy"] for joint in joints if joint not in force}
+    pins = {joint: linkage.scene.channels.pins[joint] for joint in joints if joint not in force}
+    force |= {joint: reactions[x] + 1j * reactions[y] for joint, (x, y) in pins.items()}
     for name, pin in held(linkage.scene).items():
         if pin.channel in force:
             member, sign = linkage.members[name], -1 if name == pin.first else 1

@@ -100,7 +100,7 @@ class LinkageConstraints:
         return np.asarray(first - z[:, self._base] - self.back_end * turn[:, self._base])
 
     def gaps(self, q: PoseArray, position: Samples) -> Samples:
-        """Return C(q), shape (n, 3 bodies), rows as in `scenes.model.motion.force_channels`; `position` is the drive's.
+        """Return C(q), shape (n, 3 bodies), rows as channels of `Role.force`; `position` is the drive's.
 
         Two for each pin, x and y, m; two for each slider, off the line, m, and its angle, rad; the drive's, rad or m.
         """

@@ -15,8 +15,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.channels import Role
 from scenes.model.constraints import blocks
-from scenes.model.motion import Samples, force_channels, friction_channels
+from scenes.model.motion import Samples
 from scenes.scene import Friction, GuideFriction, PinFriction
 
 from .constraints import LinkageConstraints, PoseArray, determinant_sign, solved, with_ground
@@ -32,11 +33,13 @@ class RubbingJoints:
     """The joints of the scene's k frictions: what presses their parts together, and what friction takes of that."""
 
     def __init__(self, linkage: LinkageConstraints) -> None:
-        self.laws, names = linkage.scene.friction, force_channels(linkage.scene)
+        scene = linkage.scene
+        self.laws, names, known = scene.friction, scene.channels.names(Role.force), scene.channels
         self._guides = np.array([isinstance(one, GuideFriction) for one in self.laws])
-        joints = (one.channel(linkage.scene).rpartition(".")[0] for one in self.laws)
-        firsts = zip(joints, np.where(self._guides, "guide_force", "fx"), strict=True)
-        self._forces = np.add.outer([names.index(".".join(first)) for first in firsts], (0, 1))
+        joints = [
+            (known.guides if isinstance(one, GuideFriction) else known.pins)[one.joint(scene)] for one in self.laws
+        ]
+        self._forces = np.array([[names.index(name) for name in both] for both in joints])
         self._levers = np.array([(1, 2 / one.length if isinstance(one, GuideFriction) else 1) for one in self.laws])
 
     def pressed(self, forces: Samples, per_force: Samples) -> tuple[Samples, Samples]:
@@ -64,7 +67,7 @@ def with_friction(
     q, rate = closed(linkage, q), linkage.scene.drive.law.at(time).rate
     free, joints = np.stack([*reactions.values()], axis=1), RubbingJoints(linkage)
     found = [_solved(linkage, joints, q[rows], rate[rows], free[rows]) for rows in blocks(q)]
-    names = force_channels(linkage.scene) + friction_channels(linkage.scene)
+    names = linkage.scene.channels.names(Role.force, Role.friction)
     return dict(zip(names, np.concatenate(found).T, strict=True))
 
 

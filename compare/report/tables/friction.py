@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from scenes import Failure, Motion, Sampling, Scene
+from scenes.channels import POWER
 from scenes.model.motion import UNITS, Samples, quantity
 from scenes.scene import ConstantSpeed
 
@@ -72,7 +73,7 @@ def _efficiency(study: Study) -> Iterator[str]:
     power, pressed = drive_power(state), state.pressed(study.reference.stroke_ends)
     pushes = (push for load in scene.loads for push in of_element(pressed, load))
     taken = -sum((power_of(pressed, push) for push in pushes), np.zeros_like(power))  # of all loads
-    drive, net, lost = _work(cycle, power), _work(cycle, taken), -_work(cycle, cycle["friction.power"])
+    drive, net, lost = _work(cycle, power), _work(cycle, taken), -_work(cycle, cycle[POWER])
     none = abs(net) <= NOTHING * _work(cycle, np.abs(taken))
     if none and abs(drive - lost) <= NOTHING * _work(cycle, np.abs(power)):
         yield f"The loads take no net work: all of the drive's work, {work(drive)}, is lost to friction."

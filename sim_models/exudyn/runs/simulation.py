@@ -6,7 +6,6 @@ import numpy as np
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
 from scenes.model.engine import equal_steps
-from scenes.model.motion import quantity
 
 from .. import channels
 from ..friction import JointFriction
@@ -95,7 +94,7 @@ class PointwiseSimulation(ExudynSimulation):
     def __init__(self, scene: Scene, request: Request) -> None:
         super().__init__(scene, request)
         self._driven = scene.drive.law.at(self.times)
-        accelerations = any(quantity(name) in ("ax", "ay", "alpha") for name in self.sampling.wanted(scene))
+        accelerations = any(scene.channels[name].order == 2 for name in self.sampling.wanted(scene))
         self._samples = self._buffer()
         self._curved = accelerations or len(self._samples) > 3
 

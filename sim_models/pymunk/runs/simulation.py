@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
+from scenes.channels import POWER
 from scenes.model.constraints import blocks
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
@@ -100,7 +101,7 @@ class PymunkSimulation:
         try:
             residuals = [check_path(linkage, run.path, run.positions, self._branch) for run in runs]
             commanded = self._sampling.commanded(self._scene)
-            if (power := self._channels.get("friction.power")) is not None:
+            if (power := self._channels.get(POWER)) is not None:
                 _require(self._scene, power != -np.inf, commanded, Status.jammed, "friction holds the linkage")
             finite: NDArray[np.bool_] = np.all(np.isfinite([*samples.values()]), axis=0)
             _require(self._scene, finite, commanded, Status.nonfinite, "a result is not finite")
