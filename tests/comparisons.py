@@ -24,7 +24,7 @@ from scenes.elements import PLAIN_KINDS
 from scenes.model.motion import quantity
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
-sampled = pytest.mark.sampled  # so many of a test's cases by default, the rest as SLOW; see tests/conftest.py
+sampled = pytest.mark.sampled  # so many of a test's cases by default, more as SLOW; see tests/conftest.py
 SAMPLING = Sampling(72)
 Outcome = Motion | Exception
 References = Callable[[str], Reference]

@@ -1,7 +1,7 @@
 """What several tests need: the toggle press, its reference, and engines that end as told."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -27,12 +27,14 @@ settings.register_profile("no leftovers", database=None)
 settings.load_profile("no leftovers")
 
 
+SLOW_CASES = 3  # times as many as those by default, of a test of many cases
+
+
 @pytest.hookimpl(tryfirst=True)  # before tests are left out by their marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of a test that is marked `sampled(count)`, leave so many cases to the default tests, and have the rest slow.
+    """Of a test that is marked `sampled(count)`, leave so many cases to the default tests; more are slow, others study.
 
-    Those left are as far apart in their order as can be, the first and the last among them. Cases that are slow by
-    themselves do not count.
+    Those of each are as far apart in their order as can be. Cases that are slow by themselves do not count.
     """
     cases = defaultdict(list)
     for item in items:
@@ -40,10 +42,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if mark and not any(item.get_closest_marker(name) for name in ("slow", "study")):
             cases[item.nodeid.partition("[")[0], mark.args[0]].append(item)
     for (_, count), found in cases.items():
-        left = {round(number * (len(found) - 1) / max(count - 1, 1)) for number in range(count)}
-        for number, item in enumerate(found):
-            if number not in left:
-                item.add_marker("slow")
+        left = spread(found, count)
+        for item in left:
+            found.remove(item)
+        slow = spread(found, SLOW_CASES * count)
+        for item in found:
+            item.add_marker("slow" if item in slow else "study")
+
+
+def spread(items: Sequence[pytest.Item], count: int) -> list[pytest.Item]:
+    """Return so many, or all where there are no more, the first and the last among them."""
+    places = {round(number * (len(items) - 1) / max(count - 1, 1)) for number in range(count)}
+    return [item for place, item in enumerate(items) if place in places]
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from tests.comparisons import SAMPLING, References, changed, commanded, of_scene
 
 INCONSISTENT, INACCURATE = Status.inconsistent, Status.inaccurate
 GUARDS = {  # what alone must refuse: by which channel, moved by how much of its scale, and how that ends
-    ("drive", "crank_angle"): (3.6e-9, INCONSISTENT, "crank is off"),  # 3.5 rad on its way
+    ("drive", "crank_angle"): (3.6e-9, INCONSISTENT, "crank deviates"),  # 3.5 rad on its way
     ("closure", "P4.x"): (0.02, Status.diverged, "joints of"),
     ("position", "P4.x"): (0.2, INCONSISTENT, "is off by"),
     ("velocity", "P4.vx"): (0.5, INCONSISTENT, "P4.vx is off by"),

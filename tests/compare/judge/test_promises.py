@@ -27,8 +27,7 @@ def _records(scenes: Iterable[Scene], sampling: Sampling = SAMPLING) -> list[Pro
     [
         (3, False),
         (2, True),
-        pytest.param(6, False, marks=SLOW),
-        pytest.param(4, True, marks=SLOW),
+        pytest.param(10, True, marks=SLOW),
         pytest.param(60, True, marks=pytest.mark.study),
     ],
 )
