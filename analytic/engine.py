@@ -8,11 +8,15 @@ from typing import Annotated
 import numpy as np
 
 from scenes import Failure, Motion, Request, Sampling, Scene, Settings, Status
+from scenes.drive import KINDS as DRIVES
 from scenes.drive import Driven, Samples
-from scenes.elements import ALL_KINDS
+from scenes.elements import kinds_of
+from scenes.elements.springs import PointPair
 
+from .core.contacts import CONTACTS
 from .core.decomposition import Linkage
 from .core.dyads import Vectors, cross, turned
+from .core.elements import RULES
 from .core.kinematics import kinematics
 from .core.placing import Kinematics
 from .solve import Solver, solver
@@ -34,7 +38,7 @@ def _differences(steps: int) -> AnalyticSettings:
     return AnalyticSettings(f"differences {steps}", steps=steps, family="differences", order=2, note=note)
 
 
-KINDS = ALL_KINDS
+KINDS = kinds_of((*RULES, *CONTACTS)) | DRIVES
 SHORTEST_SPRING = 1e-12  # of the longest arm: a shorter one's direction is round-off
 DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (
@@ -82,13 +86,14 @@ class AnalyticSimulation:
     def _check_springs(self, motion: Motion) -> None:
         """Raise Failure, `nonfinite`, where the ends of a spring meet that then has no direction."""
         scene, linkage, position = self._solver.scene, self._solver.linkage, self._request.commanded(self._solver.scene)
-        springs = [spring for spring in scene.springs if spring.needs_direction]
-        z = motion_at(scene, linkage, position).z if springs else {}
-        for ends in ((spring.first, spring.second) for spring in springs):
-            apart = np.abs(z[ends[1][1]] - z[ends[0][1]])
+        pairs = [pair for pair in scene.of_type(PointPair).values() if pair.needs_direction]
+        z = motion_at(scene, linkage, position).z if pairs else {}
+        for pair in pairs:
+            apart = np.abs(z[pair.second[1]] - z[pair.first[1]])
             if not apart.min() > SHORTEST_SPRING * linkage.arm:
-                place = f"{' and '.join(map('.'.join, ends))} meet at {scene.where(float(position[apart.argmin()]))}"
-                raise Failure(Status.nonfinite, f"the spring's ends {place}: it has no direction", motion)
+                ends, where = " and ".join(map(".".join, pair.ends)), scene.where(float(position[apart.argmin()]))
+                reason = f"the {pair.noun}'s ends {ends} meet at {where}: it has no direction"
+                raise Failure(Status.nonfinite, reason, motion)
 
     @property
     def counters(self) -> Mapping[str, int]:

@@ -23,6 +23,8 @@ from .splines import CubicSpline, cubic_spline
 
 __all__ = ["ConstantSpeed", "Drive", "DriveLaw", "DriveTable", "Driven", "HarmonicLaw", "MotionLaw", "Samples"]
 __all__ += ["SegmentedLaw"]
+ELBOWS, CYLINDERS = "drives between moving bodies", "cylinders that drive"
+KINDS = frozenset({ELBOWS, CYLINDERS})  # of drives that not every engine knows
 
 
 @dataclass(frozen=True)
@@ -169,7 +171,7 @@ class Drive:
         """What engines call it that need not know it; None of a crank or a slider on the ground."""
         if self.on == GROUND:
             return None
-        return "drives between moving bodies" if self.slide is None else "cylinders that drive"
+        return ELBOWS if self.slide is None else CYLINDERS
 
     @property
     def span(self) -> float:

@@ -5,11 +5,11 @@ branch solver and no derived lengths; each model works those out by its own mean
 models is one the comparison cannot see. What a body as drawn weighs has a second rule in the 50-digit model.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, make_dataclass, replace
 from functools import cached_property
 from math import pi, sqrt
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from pydantic import Field
 
@@ -17,8 +17,10 @@ from . import limits
 from .bodies import GROUND, Body, DrawnBody, Slide
 from .channels import DIMENSIONS, Channels
 from .drive import ConstantSpeed, Drive, DriveLaw, HarmonicLaw, MotionLaw, SegmentedLaw
+from .elements import LISTS
+from .elements.element import Element
 from .elements.friction import Friction, GuideFriction, PinFriction
-from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce, closing_sense
+from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
 from .elements.springs import Spring, TorsionSpring
 from .fields import FileTable, Finite, Gravity, Number, Place, Position, Positive, Vector, put, walk
 
@@ -96,12 +98,12 @@ class Pin:
     channel: str  # its channels are `<channel>.fx`, `<channel>.fy`: the force of `first` on `second`
 
 
-@dataclass(frozen=True)
-class Scene:
-    """One mechanism in SI, made of tables by `scenes.from_tables`, or of those of a file by `scenes.load`.
+E = TypeVar("E", bound=Element)
 
-    It needs its file no more: the tables are all that was in it. Two scenes are equal where their mechanisms are.
-    """
+
+@dataclass(frozen=True)
+class _Linkage:
+    """The first fields of a scene."""
 
     name: str
     title: str
@@ -110,8 +112,32 @@ class Scene:
     ground: Mapping[str, Place] = field(metadata={"path": "ground.points"})  # m
     bodies: Mapping[str, Annotated[Body, DrawnBody]]  # the moving bodies, in file order
     drives: tuple[Drive, ...] = field(metadata={"path": "drives", "lone": "drive"})  # one, each with its guide
-    loads: tuple[Load, ...]
-    springs: tuple[Spring, ...]
+
+
+if TYPE_CHECKING:
+
+    @dataclass(frozen=True)
+    class _Loaded(_Linkage):
+        """The linkage and what acts on it: one field for each list of elements, of which models name these."""
+
+        loads: tuple[Load, ...] = field(default=(), kw_only=True)
+        springs: tuple[Spring, ...] = field(default=(), kw_only=True)
+        torsion_springs: tuple[TorsionSpring, ...] = field(default=(), kw_only=True)
+        friction: tuple[Friction, ...] = field(default=(), kw_only=True)
+
+else:
+    _LISTS = [(key, tuple[Union[table.kinds], ...]) for key, table in LISTS.items()]  # noqa: UP007
+    _FIELDS = [(key, kinds, field(default=(), kw_only=True)) for key, kinds in _LISTS]
+    _Loaded = make_dataclass("_Loaded", _FIELDS, bases=(_Linkage,), frozen=True)
+
+
+@dataclass(frozen=True)
+class Scene(_Loaded):
+    """One mechanism in SI, made of tables by `scenes.from_tables`, or of those of a file by `scenes.load`.
+
+    It needs its file no more: the tables are all that was in it. Two scenes are equal where their mechanisms are.
+    """
+
     gravity: tuple[Gravity, Gravity] | None  # m/s^2
     sketch: Sketch
     output: str  # the point that the report is about
@@ -119,8 +145,6 @@ class Scene:
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
     limits: Mapping[str, LimitTable] = field(default_factory=dict)  # by channel or magnitude, SI
     variations: tuple[VariationTable, ...] = ()  # what the workshop may deviate, in the units of the file
-    torsion_springs: tuple[TorsionSpring, ...] = ()
-    friction: tuple[Friction, ...] = ()
     # As TOML gives them, in the units of the file, and never changed; empty where the scene has other numbers.
     tables: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
@@ -179,21 +203,29 @@ class Scene:
         """The bodies that can turn: all but those that slides keep parallel to the ground."""
         return tuple(name for name in self.bodies if name not in self.aligned[GROUND])
 
-    @property
-    def elements(self) -> Iterator[tuple[str, Load | Spring | TorsionSpring]]:
-        """What acts on the bodies besides their weight, each with its place in the file."""
-        for key in ("loads", "springs", "torsion_springs"):
-            yield from ((f"{key}.{number}", element) for number, element in enumerate(getattr(self, key)))
+    @cached_property
+    def listed(self) -> Sequence[tuple[str, Element]]:
+        """All that acts on the bodies besides their weight, each with its place in the file."""
+        return [(f"{key}.{number}", one) for key in LISTS for number, one in enumerate(getattr(self, key))]
+
+    @cached_property
+    def elements(self) -> Sequence[tuple[str, Element]]:
+        """The same without friction, which follows from what the joints carry."""
+        return [(place, element) for place, element in self.listed if not element.by_joints]
+
+    def of_type(self, kind: type[E]) -> Mapping[str, E]:
+        """By place in the file, the elements of a type."""
+        return {place: element for place, element in self.listed if isinstance(element, kind)}
 
     @cached_property
     def presses(self) -> Mapping[str, PressForce]:
         """The loads that depend on the direction of motion, each by its place in the file."""
-        return {f"loads.{number}": load for number, load in enumerate(self.loads) if isinstance(load, PressForce)}
+        return self.of_type(PressForce)
 
     @cached_property
     def kinds(self) -> frozenset[str]:
         """The kinds of what acts on the bodies, and of drives that not every engine knows."""
-        kinds = {one.kind for one in (*(element for _, element in self.elements), *self.friction)}
+        kinds = {element.kind for _, element in self.listed}
         return frozenset(kinds | {drive.kind for drive in self.drives if drive.kind})
 
     @cached_property
@@ -265,7 +297,13 @@ class Scene:
     def numbers(self) -> Mapping[str, Number]:
         """By path in the file, the numbers that machines of one topology may differ by: not of laws or the sketch."""
         fixed = ("sketch",) if isinstance(self.drive.law, ConstantSpeed) else ("sketch", "drives")
-        return {number.path: number for number in walk(self) if number.at[0] not in fixed}
+        return {number.path: number for number in self.ranked_numbers if number.at[0] not in fixed}
+
+    @cached_property
+    def ranked_numbers(self) -> Sequence[Number]:
+        """All numbers in the order of the fields, those of lists by the ranks of these."""
+        ranks = {key: table.rank for key, table in LISTS.items()}
+        return sorted(walk(self), key=lambda number: ranks.get(str(number.at[0]), 0))
 
     def size(self, number: Number) -> float:
         """What the file's unit of a number is in SI; of a guide's direction, which has a length of its own there."""
@@ -281,10 +319,10 @@ class Scene:
         """
         there = {self.numbers[path].at: value for path, value in values.items()}
         other: Scene = put(self, {**there, ("tables",): {}})
-        for number, load in enumerate(other.loads):
-            if isinstance(load, PressForce):
-                sense = closing_sense(load.force, other.slides[load.body])
-                other = put(other, {("loads", number, "closing"): sense})
+        for key in LISTS:
+            for number, element in enumerate(getattr(other, key)):
+                if (settled := element.settled(other)) is not element:
+                    other = put(other, {(key, number): settled})
         return other
 
     def length(self, metres: float, digits: int = 4) -> str:

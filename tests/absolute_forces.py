@@ -8,7 +8,7 @@ import numpy as np
 
 from scenes.elements.tables import LoadCurve
 from scenes.model.motion import channels
-from scenes.scene import GROUND, Force, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
+from scenes.scene import GROUND, Force, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .absolute_bodies import TURNED, Floats, mass_properties
 from .absolute_friction import resistances, resisted
@@ -138,6 +138,7 @@ def _load(model: "Absolute", load: Load, now: Instant) -> Iterator[Wrench]:
         x, v = model.displaced(load.body, now.Q, now.dQ)
         yield Wrench(load.body, float(load.acts(x, v, model.stroke_ends[load])) * np.array(load.force), at)
     else:
+        assert isinstance(load, GuideForce)
         slide = model.scene.slides[load.body]
         size = float(load.force or 0.0) if load.table is None else _tabled(model, load.body, load.table, now)
         force = size * (model.vector(slide.on, slide.along) @ now.Q)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from scenes.elements.friction import Friction, PinFriction
+from scenes.elements.friction import Friction, GuideFriction, PinFriction
 
 from .absolute_bodies import Floats
 
@@ -71,7 +71,7 @@ def slips(model: "Absolute", now: "Instant") -> Iterator[tuple[Friction, float, 
         if isinstance(friction, PinFriction):
             pin = friction.pin(scene)
             yield friction, spins.get(pin.second, 0.0) - spins.get(pin.first, 0.0), max(map(abs, spins.values()))
-        else:
+        elif isinstance(friction, GuideFriction):
             yield friction, model.displaced(friction.slider, now.Q, now.dQ)[1], float(max(speeds))
 
 
@@ -92,6 +92,7 @@ def resistances(
             names, sizes = [f"{pin.channel}.fx", f"{pin.channel}.fy"], (1.0, 1.0)
             does = between(pin.first, pin.second, np.zeros(2), np.zeros(2), 1.0)
         else:
+            assert isinstance(friction, GuideFriction)
             name, radius = friction.slider, None
             names, sizes = [f"{name}.guide_force", f"{name}.guide_moment"], (1.0, 2 / friction.length)
             slide, at = scene.slides[name], model.point(name, scene.bodies[name].points[0]) @ now.Q

@@ -165,12 +165,12 @@ def _pull(spring: Spring | TorsionSpring) -> dict[str, Any]:
 
 
 def _load(load: Load) -> dict[str, Any]:
-    given, table = dict[str, Any](vars(load)), getattr(load, "table", None)
+    given, table = dict[str, Any](vars(load)), load.table
     keys: dict[str, Any] = {
-        key: given[key] for key in ("body", "at", "force", "moment", "last", "along", "frame") if key in given
+        key: given[key] for key in ("body", "at", "force", "moment", "last", "along") if key in given
     }
-    if keys.get("frame") == "ground":
-        del keys["frame"]
+    if load.frame == "body":
+        keys["frame"] = load.frame
     if table is not None:
         keys |= {} if load.kind == "force tables" else {"over": table.over, "periodic": table.periodic}
         keys["table"] = [*zip(table.arguments, table.values, strict=True)]

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 
 from scenes import Scene
 from scenes.bodies import GROUND
+from scenes.elements.loads import TurningForce
+from scenes.elements.springs import Damper
 from scenes.elements.tables import COLUMN, LoadCurve, Over
 from scenes.scene import (
-    Force,
     Friction,
     GuideForce,
     GuideFriction,
@@ -18,6 +19,7 @@ from scenes.scene import (
     Moment,
     Pin,
     PinFriction,
+    Spring,
     TableForce,
     TorsionSpring,
 )
@@ -35,14 +37,18 @@ def element_scenes(draw: st.DrawFn, first: str, kind: str) -> Scene:
     """Draw a linkage with a drive of a kind, a dyad of a kind, and elements on it."""
     scene, _ = scene_of(draw, draw(moving_drawings(first, kind)))
     loads = [draw(st.sampled_from(_loads(scene)))(draw) for _ in range(draw(st.integers(1, 3)))]
-    springs = tuple(
-        replace(spring, damping=draw(st.none() | numbers(0.1, 3)), stiffness=draw(st.just(0.0) | numbers(1, 20)))
-        for spring in scene.springs
-    )
+    springs = tuple(_spring(draw, spring) for spring in scene.springs)
     springs = tuple(spring for spring in springs if spring.stiffness or spring.damping is not None)
     torsion = tuple(_torsion_springs(draw, scene))
     scene = replace(scene, loads=(*scene.loads, *loads), springs=springs, torsion_springs=torsion)
     return replace(scene, friction=tuple(_friction(draw, scene)))
+
+
+def _spring(draw: st.DrawFn, like: Spring) -> Spring:
+    """Draw a spring or a damper between the ends of another."""
+    damping, stiffness = draw(st.none() | numbers(0.1, 3)), draw(st.just(0.0) | numbers(1, 20))
+    given = like.first, like.second, stiffness, like.length
+    return Spring(*given) if damping is None else Damper(*given, damping)
 
 
 def _loads(scene: Scene) -> list[Callable[[st.DrawFn], Load]]:
@@ -55,7 +61,7 @@ def _loads(scene: Scene) -> list[Callable[[st.DrawFn], Load]]:
         return draw(st.sampled_from(of))
 
     def turned(draw: st.DrawFn) -> Load:
-        return Force(*place(draw, places), xy(draw(vectors(20))), "body")
+        return TurningForce(*place(draw, places), xy(draw(vectors(20))))
 
     def tabled(draw: st.DrawFn) -> Load:
         body, at = place(draw, places)

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from scenes import Scene
 from scenes.bodies import GROUND, Body, Slide
 from scenes.drive import ConstantSpeed, Drive, DriveLaw, MotionLaw, Samples
+from scenes.elements.loads import ForceTable
 from scenes.elements.tables import LoadCurve
 from scenes.laws import LAWS, HarmonicLaw, SegmentedLaw
-from scenes.scene import Force, GuideForce, Load, PressForce, Sketch, Spring
+from scenes.scene import Force, Load, PressForce, Sketch, Spring
 
 from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, signs, vectors, xy
 
@@ -56,8 +57,8 @@ def scene_of(draw: st.DrawFn, drawing: Drawing) -> tuple[Scene, Samples]:
     gravity = draw(vectors(10).map(xy) | st.none())
     rough = {point: (round(z.real, 2), round(z.imag, 2)) for point, z in at.items() if point not in ground}
     sketch = Sketch(float(positions[0]), MappingProxyType(rough))
-    has = ground, MappingProxyType(bodies), (drive,), (), springs, gravity, sketch
-    scene = Scene("drawn", "drawn", "", "drawn.toml", *has, "A", MappingProxyType({}))
+    given = "drawn", "drawn", "", "drawn.toml", ground, MappingProxyType(bodies), (drive,)
+    scene = Scene(*given, gravity, sketch, "A", MappingProxyType({}), springs=springs)
     return replace(scene, loads=tuple(draw(loads_on(scene)) for _ in range(draw(st.integers(0, 3))))), positions
 
 
@@ -184,7 +185,7 @@ def loads_on(scene: Scene) -> st.SearchStrategy[Load]:
         return constant
     table = st.tuples(numbers(-20, 20), numbers(-20, 20), numbers(-20, 20))
     curves = st.builds(lambda forces: LoadCurve(displacements=(-1.0, 0.1, 1.5), forces=forces), table)
-    tables = st.builds(lambda p, of: GuideForce(p[0], p[1], None, of, "force tables"), st.sampled_from(sliding), curves)
+    tables = st.builds(lambda p, of: ForceTable(p[0], p[1], None, of), st.sampled_from(sliding), curves)
     return constant | tables | st.builds(_press, st.just(scene), st.sampled_from(sliding), signs, numbers(1, 20))
 
 

@@ -1,6 +1,6 @@
-"""What loads and springs do to the bodies, kind by kind."""
+"""What loads and springs do to the bodies: a rule for each type of element."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import tau
@@ -9,10 +9,20 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
-from scenes.elements.loads import TabledLoad
+from scenes.bodies import GROUND
+from scenes.elements.element import Element
+from scenes.elements.loads import (
+    Force,
+    ForceTable,
+    GuideForce,
+    Moment,
+    PressForce,
+    TabledLoad,
+    TableForce,
+    TurningForce,
+)
+from scenes.elements.springs import Damper, PointPair, Spring, TorsionSpring
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Force, GuideForce, Load, Moment, PressForce, Spring, TableForce
-from scenes.scene import TorsionSpring as Twist
 
 from .decomposition import Linkage
 from .dyads import Vectors, dot
@@ -68,15 +78,23 @@ class Loading:
         s, ds, _ = self.k.displaced(self.scene, self.scene.bodies[load.body].points[0])
         return load.acts(s, ds, self.given[place])
 
-    def twisted(self, spring: Twist, place: str) -> Any:
+    def twisted(self, spring: TorsionSpring, place: str) -> Any:
         """The angle of a torsion spring, over whole turns."""
         phi = twist(spring, self.k)
         return phi + tau * np.floor((self.given[place] - phi) / tau + 0.5)
 
-    def along(self, spring: Spring, d: Any) -> Any:
-        """The direction d / |d| of a spring, given the way d from its first end to its second one, m."""
-        apart = np.abs(d)  # without a free length and a damping there is no pull where ends meet
-        return d / (chosen(apart + spring.length > 0, apart, 1.0) if spring.damping is None else apart)
+    def apart(self, pair: PointPair) -> Any:
+        """The way from the first of two points to the second, m."""
+        (_, start), (_, end) = pair.ends
+        return self.k.z[end] - self.k.z[start]
+
+    def along(self, d: Any, length: Number | None = None) -> Any:
+        """The direction d / |d| of a way between two points, m.
+
+        A length, m, where it is zero, leaves any direction to ends that meet: there is no pull along it.
+        """
+        apart = np.abs(d)
+        return d / (apart if length is None else chosen(apart + length > 0, apart, 1.0))
 
     def size(self, load: TabledLoad, constant: Number = None) -> Number:
         """The number of a load, N or N m, or that of its table."""
@@ -87,50 +105,83 @@ class Loading:
         return load.table.at(self.given["position" if load.table.over == "drive" else "time"])
 
 
-def acts(element: Load | Spring | Twist, place: str, at: Loading) -> Acting:
+def acts(element: Element, place: str, at: Loading) -> Acting:
     """Yield what an element, which has a place in the file, does to each body."""
-    z, u = at.k.z, at.k.u
-    match element:
-        case Force() | TableForce() as load:
-            vector = as_complex(load.force if isinstance(load, Force) else load.direction)
-            force = samples(vector) if isinstance(load, Force) else vector * at.size(load)
-            yield load.body, ActingForce(force if load.frame == "ground" else u[load.body] * force, z[load.at])
-        case PressForce() as load:
-            yield load.body, ActingForce(np.where(at.acting(load, place), as_complex(load.force), 0), z[load.at])
-        case GuideForce() as load:
-            force = at.guide(load.body)[0] * at.size(load, load.force)
-            yield load.body, ActingForce(force, z[load.at])
-            yield at.scene.slides[load.body].on, ActingForce(-force, z[load.at])
-        case Moment() as load:
-            yield load.body, ActingForce(samples(0j), z[load.at], at.size(load, load.moment))
-        case Spring() as spring:
-            yield from _spring(spring, at)
-        case Twist() as spring:
-            sign = spring.drives(at.scene)
-            phi = sign * at.given["position"] if sign else at.twisted(spring, place)
-            moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
-            for body, share in ((spring.second, moment), (spring.first, -moment)):
-                yield body, ActingForce(samples(0j), z[spring.at], share)
+    return RULES[type(element)](element, place, at)
 
 
-def _spring(spring: Spring, at: Loading) -> Acting:
-    z, v, damping = at.k.z, at.k.v, spring.damping
-    (first, start), (second, end) = spring.first, spring.second
-    d: Any = z[end] - z[start]
-    along = at.along(spring, d)
+def _force(load: Force, _: str, at: Loading) -> Acting:
+    yield load.body, ActingForce(samples(as_complex(load.force)), at.k.z[load.at])
+
+
+def _turning_force(load: TurningForce, _: str, at: Loading) -> Acting:
+    yield load.body, ActingForce(at.k.u[load.body] * samples(as_complex(load.force)), at.k.z[load.at])
+
+
+def _press(load: PressForce, place: str, at: Loading) -> Acting:
+    yield load.body, ActingForce(np.where(at.acting(load, place), as_complex(load.force), 0), at.k.z[load.at])
+
+
+def _guide_force(load: GuideForce, _: str, at: Loading) -> Acting:
+    force = at.guide(load.body)[0] * at.size(load, load.force)
+    yield load.body, ActingForce(force, at.k.z[load.at])
+    yield at.scene.slides[load.body].on, ActingForce(-force, at.k.z[load.at])
+
+
+def _by_table(load: TableForce, _: str, at: Loading) -> Acting:
+    force = as_complex(load.direction) * at.size(load)
+    yield load.body, ActingForce(force if load.frame == "ground" else at.k.u[load.body] * force, at.k.z[load.at])
+
+
+def _moment(load: Moment, _: str, at: Loading) -> Acting:
+    yield load.body, ActingForce(samples(0j), at.k.z[load.at], at.size(load, load.moment))
+
+
+def _spring(spring: Spring, _: str, at: Loading) -> Acting:
+    d = at.apart(spring)
+    along = at.along(d, spring.length if spring.damping is None else None)
     pull = spring.stiffness * (d - spring.length * along)
-    if damping is not None:
-        pull = pull + damping * dot(along, v[end] - v[start]) * along
-    yield first, ActingForce(pull, z[start])
-    yield second, ActingForce(-pull, z[end])
+    if spring.damping is not None:
+        v = at.k.v
+        pull = pull + spring.damping * dot(along, v[spring.second[1]] - v[spring.first[1]]) * along
+    return pulled(spring, pull, at)
 
 
-def twist(spring: Twist, k: Kinematics) -> Any:
+def pulled(pair: PointPair, pull: Any, at: Loading) -> Acting:
+    """Yield a pull on the first end of a pair of points, and its reaction on the second."""
+    for (body, point), force in zip(pair.ends, (pull, -pull), strict=True):
+        yield body, ActingForce(force, at.k.z[point])
+
+
+def _torsion_spring(spring: TorsionSpring, place: str, at: Loading) -> Acting:
+    sign = spring.drives(at.scene)
+    phi = sign * at.given["position"] if sign else at.twisted(spring, place)
+    moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
+    for body, share in ((spring.second, moment), (spring.first, -moment)):
+        yield body, ActingForce(samples(0j), at.k.z[spring.at], share)
+
+
+RULES: Mapping[type[Element], Callable[[Any, str, Loading], Acting]] = {
+    Force: _force,
+    TurningForce: _turning_force,
+    PressForce: _press,
+    GuideForce: _guide_force,
+    ForceTable: _guide_force,
+    TableForce: _by_table,
+    Moment: _moment,
+    Spring: _spring,
+    Damper: _spring,
+    TorsionSpring: _torsion_spring,
+}
+
+
+def twist(spring: TorsionSpring, k: Kinematics) -> Any:
     """The angle of a torsion spring's second body less that of its first, from -pi to pi."""
     turned = k.u[spring.second] * k.u[spring.first].conjugate()
     return np.arctan2(turned.imag, turned.real)
 
 
-def wound(scene: Scene) -> Mapping[str, Twist]:
+def wound(scene: Scene) -> Mapping[str, TorsionSpring]:
     """Torsion springs, but the drive's own, by their places in the file."""
-    return {place: spring for place, spring in scene.elements if isinstance(spring, Twist) and not spring.drives(scene)}
+    springs = scene.of_type(TorsionSpring)
+    return {place: spring for place, spring in springs.items() if not spring.drives(scene)}

@@ -20,16 +20,16 @@ from typing import Any
 
 import numpy as np
 
+from scenes.elements.friction import Friction
 from scenes.model.motion import Samples
-from scenes.scene import Friction, PinFriction
 
+from .contacts import CONTACTS, Contact
 from .dyads import dot
 from .numbers import chosen
 
 GUESSES = 2  # from no friction: what is left is the square of the map's contraction, often some thousandths
 STEPS = 3  # of Newton's method, after which that is round-off
 CLOSE = 1e-8  # of the last step, relative: what is left is smaller by the step before
-TINY = 1e-300  # N, which changes no load but none
 LEAST_STEP = 1e-14  # of the factor, where the continuation ends
 NEWTON = 12  # steps from a solution nearby
 SEARCH = 40  # from anywhere
@@ -49,19 +49,20 @@ class Rubbing:
 
     def slope(self, factor: Any = 1.0) -> Any:
         """The friction by the load, with a factor on the coefficient: s c of (1)."""
-        mu = factor * self.share * self.of.coefficient
-        return self.sense * (self.of.radius * mu / np.sqrt(1 + mu * mu) if isinstance(self.of, PinFriction) else mu)
+        return self.sense * self.contact.factor(self.of, factor * self.share * self.of.coefficient)
+
+    @property
+    def contact(self) -> Contact:
+        """The rule of its joint."""
+        return CONTACTS[type(self.of)]
 
     def size(self, X: Any) -> Any:
         """The load |X|."""
-        return np.abs(X) if isinstance(self.of, PinFriction) else np.maximum(np.abs(X.real), np.abs(X.imag))
+        return self.contact.size(X)
 
     def gradient(self, X: Any, size: Any) -> Any:
         """The direction in which the load grows, a unit vector; any where there is no load."""
-        if isinstance(self.of, PinFriction):
-            return X / (size + TINY)
-        along, across = (chosen(part < 0, -1.0, 1.0) for part in (X.real, X.imag))
-        return chosen(np.abs(X.real) < np.abs(X.imag), 1j * across, along)
+        return self.contact.gradient(X, size)
 
 
 @dataclass(frozen=True)

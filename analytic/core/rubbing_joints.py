@@ -1,21 +1,22 @@
 """Kinetostatics with friction: each group's joints take what they rub by as loads, found from unit loads."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from scenes import Failure, Status
+from scenes.bodies import GROUND
 from scenes.channels import POWER
-from scenes.elements.friction import AT_REST
+from scenes.drive import ConstantSpeed
+from scenes.elements.friction import AT_REST, Friction
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, ConstantSpeed, Friction, PinFriction
 
+from .contacts import CONTACTS
 from .decomposition import Dyad, Leg, members
-from .dyads import dot
 from .elements import ActingForce, Given
 from .friction import Loads, Rubbing
 from .groups.group_equations import Group
@@ -25,7 +26,6 @@ from .placing import Kinematics
 
 PARTS = 50  # of what is left of a range of shares, whose ends are tried at once
 CLOSE = 1e-8  # of a coefficient, how closely its share is found
-Unit: TypeAlias = Mapping[str, ActingForce]  # what one unit of a friction does, by body
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class FrictionBalance(Balance):
             kept = Reactions({**on.pin}, {**on.guide}, on.effort)
             slid_on = {body: [*acting] for body, acting in self.slid_on.items()}
             X0 = self.loads(frictions, group, reactions=kept, slid_on=slid_on)
-            units = [self.unit(one) for one in frictions]
+            units = [CONTACTS[type(one)].unit(one, self) for one in frictions]
             columns = [self.loads(frictions, group, reactions=Reactions(), slid_on={}, alone=unit) for unit in units]
             w = self.settled(Loads(rubbing, X0, [*zip(*columns, strict=True)]))
             for one, unit, size in zip(frictions, units, w, strict=True):
@@ -73,26 +73,15 @@ class FrictionBalance(Balance):
         scene, linkage = self.scene, self.linkage
         group_of = {GROUND: -2} | dict.fromkeys(scene.bodies, -1)
         group_of |= {body: number for number, group in enumerate(linkage.groups) for body in members(group)}
-        if not isinstance(one, PinFriction):
-            return max(group_of[one.slider], group_of[scene.slides[one.slider].on])
-        pin = one.pin(scene)
-        carrier = next((body for body, points in linkage.carries.items() if pin.point in points), GROUND)
-        others = [body for body in scene.owners[pin.point] if body != pin.second]
-        known = min(group_of[body] for body in others) if pin.second == carrier else group_of[pin.second]
-        if max(group_of[pin.first], group_of[pin.second]) > known:
-            several = f"the force at {pin.channel} follows from that of a group which its friction loads"
-            raise Failure(Status.unsupported, f"{several}; expected {pin.first} later in the file")
+        known, joined = CONTACTS[type(one)].first_known(one, self, group_of), one.joined(scene)
+        if max(group_of[body] for body in joined) > known:
+            several = f"the force at {one.joint(scene)} follows from that of a group which its friction loads"
+            raise Failure(Status.unsupported, f"{several}; expected {joined[0]} later in the file")
         return known
 
     def motion(self, one: Friction) -> tuple[Samples, Samples]:
         """How fast the parts of a joint move on each other, and the largest such rate in the linkage."""
-        k, scene = self.k, self.scene
-        if isinstance(one, PinFriction):
-            pin = one.pin(scene)
-            return k.omega[pin.second] - k.omega[pin.first], self.fastest[0]
-        first, on = scene.bodies[one.slider].points[0], scene.slides[one.slider].on
-        carried = 0.0 if on == GROUND else k.v[k.foot[on]] + 1j * k.omega[on] * (k.z[first] - k.z[k.foot[on]])
-        return dot(self.guide(one.slider)[0], k.v[first] - carried), self.fastest[1]
+        return CONTACTS[type(one)].motion(one, self)
 
     @cached_property
     def fastest(self) -> tuple[Samples, Samples]:
@@ -111,35 +100,12 @@ class FrictionBalance(Balance):
         share = self.shares.get(one.channel(self.scene), 1.0)
         return Rubbing(one, samples(one.sense(rate, largest)), samples((one.viscous or 0.0) * rate), share)
 
-    def unit(self, one: Friction) -> Unit:
-        """What a unit of friction does: on the later body of a pin, or on the slider; its reaction on the other."""
-        if isinstance(one, PinFriction):
-            pin, none = one.pin(self.scene), samples(0j)
-            moments = (pin.second, samples(1.0)), (pin.first, samples(-1.0))
-            return {body: ActingForce(none, self.k.z[pin.point], moment) for body, moment in moments}
-        (along, _), first = self.guide(one.slider), self.k.z[self.scene.bodies[one.slider].points[0]]
-        bodies = (one.slider, along), (self.scene.slides[one.slider].on, -along)
-        return {body: ActingForce(force, first) for body, force in bodies}
-
     def loads(self, frictions: Sequence[Friction], group: Dyad | Group | Leg, **others: Any) -> list[Any]:
         """The loads X of (1) of `friction` while the group is balanced under other loads."""
         trial = copy(self)
         vars(trial).update(others)
         Balance.balance(trial, group)
-        return [*trial.carried(frictions)]
-
-    def carried(self, frictions: Sequence[Friction]) -> Iterator[Any]:
-        """Yield what joints carry, each as the plane vector of its friction."""
-        pins = self.reactions.pin
-        for one in frictions:
-            if isinstance(one, PinFriction):
-                pin = one.pin(self.scene)
-                others = (pins[pin.point, body] for body in self.scene.owners[pin.point] if (pin.point, body) in pins)
-                key = pin.point, pin.second
-                yield pins[key] if key in pins else -reduce(np.add, others)
-            else:
-                N, M = self.reactions.guide[one.slider]
-                yield N + 1j * (M * (2 / one.length))
+        return [CONTACTS[type(one)].load(one, trial) for one in frictions]
 
     def settled(self, loads: Loads) -> Sequence[Any]:
         """The frictions, NaN where friction holds the linkage; that, and where several fit, is noted in `stuck`."""

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from scenes.scene import Friction, PressForce, Spring, TorsionSpring
+from scenes.scene import Friction, PressForce, TorsionSpring
 
 from ..core.friction import Loads, Rubbing
 from ..core.groups.group_equations import Group
-from ..core.numbers import chosen
+from ..core.numbers import Number, chosen
 from ..core.rubbing_joints import FrictionBalance
 from .expressions import Expression, Recorder
 from .traced import Traced, traced
@@ -82,10 +82,10 @@ class BoundedBalance(RecordedBalance):
         """Whether a press force acts."""
         return super().acting(load, place).whole
 
-    def along(self, spring: Spring, d: Any) -> Any:
-        """The direction of a spring; none of one that pulls by k d, whose ends may meet."""
-        direction = super().along(spring, d)
-        return direction if spring.damping is not None else chosen(spring.length > 0, direction, 0.0)
+    def along(self, d: Any, length: Number | None = None) -> Any:
+        """The direction of a way; none where a length is zero, as there is no pull and the ends may meet."""
+        direction = super().along(d, length)
+        return direction if length is None else chosen(length > 0, direction, 0.0)
 
     def twisted(self, spring: TorsionSpring, place: str) -> Any:
         """The angle of a torsion spring, by what it is roughly; not known where that may be half a turn off."""

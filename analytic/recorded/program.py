@@ -16,7 +16,7 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import ConstantSpeed, Moment
+from scenes.scene import ConstantSpeed
 
 from ..channels import all_channels, asked, of_larger
 from ..core.decomposition import Linkage, decompose
@@ -117,7 +117,7 @@ def recorded(
         loads = {
             f"loads.{number}": traced(make, next(acts(load, f"loads.{number}", balance))[1].force)
             for number, load in enumerate(opened.loads)
-            if not (proven or isinstance(load, Moment))
+            if not (proven or load.is_moment)
         }
     own = of_larger(linkage.groups)
     expressions: dict[str, Expression] = {}

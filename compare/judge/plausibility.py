@@ -83,7 +83,7 @@ def radii_of_gyration(reference: Reference) -> Iterator[str]:
 def pins(reference: Reference) -> Iterator[str]:
     """A pin's radius above half the length of one of its bars; of a crank that is driven, above all of its length."""
     scene = reference.scene
-    for friction in (one for one in scene.friction if isinstance(one, PinFriction)):
+    for friction in scene.of_type(PinFriction).values():
         pin = friction.pin(scene)
         for body in (scene.bodies[name] for name in (pin.first, pin.second) if name != GROUND):
             share = MAX_PIN * (2 if body.name in scene.driven else 1)  # which may be an eccentric

@@ -89,7 +89,7 @@ def arms(scene: Scene, body: Body) -> dict[str, complex]:
 
 def largest_length(scene: Scene) -> float:
     """The largest known distance on a body, on the ground in use or in a cylinder, m; else the drive's travel."""
-    ends = (end for spring in scene.springs for end in (spring.first, spring.second))
+    ends = (end for _, element in scene.elements for end in element.ends)
     joined = {pin.point for pin in scene.pins} | {point for body, point in ends if body == GROUND}
     ground = [complex(*place) for point, place in scene.ground.items() if point in joined]
     known = [length for body in scene.bodies.values() for length in distances(body).values()]

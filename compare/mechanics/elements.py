@@ -1,4 +1,4 @@
-"""What acts on each body of a motion: loads and springs, a function a kind, its weight, and its joints and drive.
+"""What acts on each body of a motion: loads and springs, a rule for each type, its weight, and its joints and drive.
 
 This is all that the judge knows of them: the balance of forces and moments of each body, and the power of each.
 """
@@ -7,14 +7,25 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from math import ceil, pi
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from scenes import Failure, Scene
-from scenes.elements.friction import Friction, GuideFriction, PinFriction
-from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TabledLoad, TableForce
-from scenes.elements.springs import Spring, TorsionSpring
+from scenes.elements.element import Element
+from scenes.elements.friction import GuideFriction, PinFriction
+from scenes.elements.loads import (
+    Force,
+    ForceTable,
+    GuideForce,
+    Load,
+    Moment,
+    PressForce,
+    TabledLoad,
+    TableForce,
+    TurningForce,
+)
+from scenes.elements.springs import Damper, PointPair, Spring, TorsionSpring
 from scenes.elements.tables import LoadCurve
 from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
@@ -23,8 +34,6 @@ from scenes.scene import GROUND, Body
 from ..engines import registry
 from .bodies import inertia
 from .motion_vectors import MotionVectors, Vectors
-
-Element: TypeAlias = Load | Spring | TorsionSpring | Friction
 
 STEPS = 3600  # of a cycle: from one to the next no angle comes near to half a turn
 HAIR = 1e-9  # rad: what rounding makes of half a turn, which counts as that, not as its opposite
@@ -44,7 +53,7 @@ class Push(NamedTuple):
 def applied(state: MotionVectors) -> Iterator[Push]:
     """Yield what acts on the bodies from without: loads, springs, friction, gravity."""
     scene = state.scene
-    for element in (*(own for _, own in scene.elements), *scene.friction):
+    for _, element in scene.listed:
         yield from of_element(state, element)
     if scene.gravity is not None:
         yield from (weight(state, body) for body in scene.bodies.values())
@@ -59,7 +68,7 @@ def weight(state: MotionVectors, body: Body) -> Push:
 
 def of_element(state: MotionVectors, element: Element) -> Iterator[Push]:
     """Yield what a load, a spring or friction does on the bodies; what it does on the ground is left out."""
-    yield from (push for push in _KINDS.get(type(element), _of_force)(state, element) if push.body != GROUND)
+    yield from (push for push in RULES[type(element)](state, element) if push.body != GROUND)
 
 
 def generalised(state: MotionVectors, pushes: Iterable[Push], arm: float) -> Samples:
@@ -77,40 +86,72 @@ def generalised(state: MotionVectors, pushes: Iterable[Push], arm: float) -> Sam
     return forces.reshape(len(forces), -1)
 
 
-def _of_force(state: MotionVectors, load: Force | PressForce | GuideForce | TableForce) -> Iterator[Push]:
+def force(state: MotionVectors, load: Load) -> Vectors:
+    """The force of a load on its body, N, in the ground's frame."""
+    return next(of_element(state, load)).force
+
+
+def _of_load(state: MotionVectors, load: Load, value: Any) -> Push:
+    """A force at the point of a load, N, constant or of shape (n,)."""
     z, v, _ = state.point(load.at)
-    yield Push(load.body, force(state, load), z, 0.0, v, f"the load at {load.at}")
+    return Push(load.body, np.full(z.shape, value), z, 0.0, v, load.label)
+
+
+def _of_force(state: MotionVectors, load: Force) -> Iterator[Push]:
+    yield _of_load(state, load, complex(*load.force))
+
+
+def _of_turning_force(state: MotionVectors, load: TurningForce) -> Iterator[Push]:
+    yield _of_load(state, load, complex(*load.force) * np.exp(1j * state.angle(load.body)))
+
+
+def _of_press(state: MotionVectors, load: PressForce) -> Iterator[Push]:
+    acting = zip(state.acting, state.scene.presses.values(), strict=True)
+    yield _of_load(state, load, next(share for share, one in acting if one is load) * complex(*load.force))
 
 
 def _of_guide_force(state: MotionVectors, load: GuideForce) -> Iterator[Push]:
-    yield from _of_force(state, load)
-    z, on = state.place(load.at), state.scene.slides[load.body].on
-    name = f"the reaction of the load at {load.at}"
-    yield Push(on, -force(state, load), z, 0.0, state.carried(on, z), name)
+    push = _of_load(state, load, _size(state, load, load.force) * state.along(state.scene.bodies[load.body]))
+    yield push
+    on, name = state.scene.slides[load.body].on, f"the reaction of {load.label}"
+    yield Push(on, -push.force, push.at, 0.0, state.carried(on, push.at), name)
+
+
+def _by_table(state: MotionVectors, load: TableForce) -> Iterator[Push]:
+    value = _size(state, load) * complex(*load.direction)
+    yield _of_load(state, load, value * np.exp(1j * state.angle(load.body)) if load.frame == "body" else value)
 
 
 def _of_moment(state: MotionVectors, load: Moment) -> Iterator[Push]:
-    yield _turning(state, load.body, load.at, f"the moment on {load.body}", _size(state, load, load.moment))
+    yield _turning(state, load.body, load.at, load.label, _size(state, load, load.moment))
 
 
 def _of_spring(state: MotionVectors, spring: Spring) -> Iterator[Push]:
-    for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
+    def pull(distance: Samples, rate: Samples) -> Samples:
+        pull = spring.stiffness * (distance - spring.length)
+        return pull if spring.damping is None else pull + spring.damping * rate
+
+    return pulled(state, spring, pull)
+
+
+def pulled(
+    state: MotionVectors, pair: PointPair, pull: Callable[[Samples, Samples], Samples | float]
+) -> Iterator[Push]:
+    """Yield what pulls two points together: by their distance, m, and its rate, m/s, each of shape (n,)."""
+    for (body, point), (_, other) in (pair.ends, pair.ends[::-1]):
         z, v, _ = state.point(point)
         towards = state.place(other) - z
         distance = np.abs(towards)
         unit = towards / np.where(distance > 0, distance, 1.0)
-        ends = " and ".join(".".join(end) for end in (spring.first, spring.second))
-        pull = spring.stiffness * (distance - spring.length)
-        if spring.damping is not None:
-            pull = pull + spring.damping * ((state.place(other, "v") - v) * unit.conj()).real
-        yield Push(body, pull * unit, z, 0.0, v, f"the spring between {ends}")
+        rate = ((state.place(other, "v") - v) * unit.conj()).real
+        yield Push(body, pull(distance, rate) * unit, z, 0.0, v, pair.label)
 
 
 def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring) -> Iterator[Push]:
     rate = state.turning(spring.second)[1] - state.turning(spring.first)[1]
     on_second = spring.moment(twist(state, spring), rate)
     for body, sign in ((spring.first, -1), (spring.second, 1)):
-        yield _turning(state, body, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
+        yield _turning(state, body, spring.at, spring.label, sign * on_second)
 
 
 def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
@@ -144,23 +185,30 @@ def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
 
 
 def _of_pin_friction(state: MotionVectors, one: PinFriction) -> Iterator[Push]:
-    pin, channel = one.pin(state.scene), one.channel(state.scene)
-    for body, sign in ((pin.first, -1), (pin.second, 1)):
-        yield _turning(state, body, pin.point, f"the friction of {channel}", sign * state.motion[channel])
+    channel = one.channel(state.scene)
+    for body, sign in zip(one.joined(state.scene), (-1, 1), strict=True):
+        yield _turning(state, body, one.at, f"the friction of {channel}", sign * state.motion[channel])
 
 
 def _of_guide_friction(state: MotionVectors, one: GuideFriction) -> Iterator[Push]:
-    slider, on, channel = state.scene.bodies[one.slider], state.scene.slides[one.slider].on, one.channel(state.scene)
-    z, v, _ = state.point(slider.points[0])
-    force, called = state.motion[channel] * state.along(slider), f"the friction of {channel}"
-    yield Push(one.slider, force, z, 0.0, v, called)
+    (on, slider), channel = one.joined(state.scene), one.channel(state.scene)
+    body = state.scene.bodies[slider]
+    z, v, _ = state.point(body.points[0])
+    force, called = state.motion[channel] * state.along(body), f"the friction of {channel}"
+    yield Push(slider, force, z, 0.0, v, called)
     yield Push(on, -force, z, 0.0, state.carried(on, z), called)
 
 
-_KINDS: Mapping[type, Callable[[MotionVectors, Any], Iterator[Push]]] = {
+RULES: Mapping[type[Element], Callable[[MotionVectors, Any], Iterator[Push]]] = {
+    Force: _of_force,
+    TurningForce: _of_turning_force,
+    PressForce: _of_press,
     GuideForce: _of_guide_force,
+    ForceTable: _of_guide_force,
+    TableForce: _by_table,
     Moment: _of_moment,
     Spring: _of_spring,
+    Damper: _of_spring,
     TorsionSpring: _of_torsion_spring,
     PinFriction: _of_pin_friction,
     GuideFriction: _of_guide_friction,
@@ -170,23 +218,6 @@ _KINDS: Mapping[type, Callable[[MotionVectors, Any], Iterator[Push]]] = {
 def _turning(state: MotionVectors, body: str, at: str, name: str, moment: Samples | float) -> Push:
     z, v, _ = state.point(at)
     return Push(body, np.zeros_like(z), z, moment + np.zeros(z.shape), v, name)
-
-
-def force(state: MotionVectors, load: Force | PressForce | GuideForce | TableForce) -> Vectors:
-    """The force of a load on its body, N, in the ground's frame."""
-    body = state.scene.bodies[load.body]
-    match load:
-        case GuideForce():
-            value: Any = _size(state, load, load.force) * state.along(body)
-        case TableForce():
-            value = _size(state, load) * complex(*load.direction)
-        case _:
-            value = complex(*load.force)
-    vectors: Vectors = np.full(state.motion["time"].shape, value)
-    if isinstance(load, PressForce):
-        acting = zip(state.acting, state.scene.presses.values(), strict=True)
-        vectors = next(share for share, one in acting if one is load) * vectors
-    return vectors * np.exp(1j * state.angle(load.body)) if getattr(load, "frame", GROUND) == "body" else vectors
 
 
 def _size(state: MotionVectors, load: TabledLoad, constant: float | None = None) -> Any:

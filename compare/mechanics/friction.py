@@ -1,7 +1,6 @@
 """Friction as the judge has it: what a motion's own channels of it do to the bodies, and what its law asks of them."""
 
 from collections.abc import Mapping
-from math import atan, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +9,9 @@ from scenes import Motion, Scene
 from scenes.channels import POWER
 from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
-from scenes.scene import Friction, PinFriction
+from scenes.scene import Friction
 
+from .contacts import CONTACTS
 from .elements import generalised, of_element
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
@@ -21,10 +21,7 @@ SLOW = 1e-6  # of the largest rate: where a joint turns round, within what engin
 
 def rate(state: MotionVectors, one: Friction) -> Samples:
     """How fast the parts of a joint move on each other."""
-    if isinstance(one, PinFriction):
-        pin = one.pin(state.scene)
-        return state.turning(pin.second)[1] - state.turning(pin.first)[1]
-    return state.sliding(state.scene.bodies[one.slider])
+    return CONTACTS[type(one)].rate(one, state)
 
 
 def resting(state: MotionVectors) -> NDArray[np.bool_]:
@@ -37,7 +34,7 @@ def resting(state: MotionVectors) -> NDArray[np.bool_]:
     slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= SLOW
     for one in scene.friction:
         if one.smooth is None:
-            slow |= np.abs(rate(state, one)) <= SLOW * (turning if isinstance(one, PinFriction) else moving)
+            slow |= np.abs(rate(state, one)) <= SLOW * (turning if CONTACTS[type(one)].turns else moving)
     return slow
 
 
@@ -52,23 +49,19 @@ def unresting(mechanics: Mechanics, motion: Motion, errors: dict[str, Samples]) 
 
 def load(scene: Scene, one: Friction, forces: Mapping[str, Samples]) -> Samples:
     """What friction goes by, N, from channels of forces: that of a pin, or of both ends of a guide's contact."""
-    if isinstance(one, PinFriction):
-        return np.asarray(np.hypot(*(forces[f"{one.pin(scene).channel}.{axis}"] for axis in ("fx", "fy"))))
-    normal, couple = (forces[f"{one.slider}.guide_{of}"] for of in ("force", "moment"))
-    return np.abs(normal / 2 - couple / one.length) + np.abs(normal / 2 + couple / one.length)
+    return CONTACTS[type(one)].load(one, scene, forces)
 
 
 def coefficient(one: Friction) -> float:
     """Friction by its load: the radius of a pin's friction circle, m, or the coefficient of a guide."""
-    return one.radius * sin(atan(one.coefficient)) if isinstance(one, PinFriction) else one.coefficient
+    return CONTACTS[type(one)].coefficient(one)
 
 
 def newtons(mechanics: Mechanics, state: MotionVectors) -> dict[str, Samples]:
     """By channel of friction how much a newton more in every joint makes of it, at most, shape (n,)."""
     each, power = dict[str, Samples](), np.zeros_like(state.motion["time"])
     for one in mechanics.scene.friction:
-        arm = 1.0 if isinstance(one, PinFriction) else 1 + 2 * mechanics.size / one.length  # its couple too
-        changed = np.full_like(power, coefficient(one) * arm)
+        changed = np.full_like(power, coefficient(one) * CONTACTS[type(one)].share(one, mechanics.size))
         each[one.channel(mechanics.scene)] = changed
         power = power + changed * np.abs(rate(state, one))
     return {**each, POWER: power} if each else each

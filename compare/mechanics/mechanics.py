@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from scenes import Failure, Motion, Scene
-from scenes.fields import Number, put, walk
+from scenes.fields import Number, put
 from scenes.model.motion import UNITS, Samples, channels, force_channels, friction_channels, quantity
 
 from ..engines import registry
@@ -103,7 +103,7 @@ class Mechanics:
 
 def inputs(scene: Scene) -> Iterator[Number]:
     """Yield the numbers of a scene but for those that say where the drive is, and where a load changes."""
-    for number in walk(scene):
+    for number in scene.ranked_numbers:
         name = next(key for key in reversed(number.at) if not isinstance(key, int))
         if number.at[0] != "sketch" and (number.at[0], name) not in LEFT_OUT:
             yield number
@@ -111,7 +111,7 @@ def inputs(scene: Scene) -> Iterator[Number]:
 
 def rounded(scene: Scene) -> Iterator[Number]:
     """Yield the numbers of a scene that every model rounds its own way, those of the drive's law among them."""
-    for number in walk(scene):
+    for number in scene.ranked_numbers:
         group, name = number.at[0], next(key for key in reversed(number.at) if not isinstance(key, int))
         if group == "drives":
             if name not in ("times", "frequencies", "end"):

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import InputError, Motion, Sampling, Scene
+from scenes.elements.loads import Load
 from scenes.model.motion import Samples
-from scenes.scene import Force, PressForce
+from scenes.scene import PressForce
 
 from ..engines import registry
 from .friction import unresting
@@ -178,10 +179,6 @@ def fixed(scene: Scene, acting: Acting) -> Iterator[tuple[Scene, NDArray[np.intp
     """Yield scenes whose press forces always or never act, with the samples where they stand so."""
     ways, rows = np.unique(acting, axis=1, return_inverse=True)
     for number, way in enumerate(ways.T):
-        standing = iter(way)
-        loads = (
-            load if not isinstance(load, PressForce) else Force(load.body, load.at, load.force)
-            for load in scene.loads
-            if not isinstance(load, PressForce) or next(standing)
-        )
+        standing = dict(zip(scene.presses, way, strict=True))
+        loads = (load.always for place, load in scene.of_type(Load).items() if standing.get(place, True))
         yield replace(scene, loads=tuple(loads)), np.flatnonzero(rows == number)

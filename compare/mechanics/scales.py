@@ -6,8 +6,8 @@ import numpy as np
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples, quantity
-from scenes.scene import PinFriction
 
+from .contacts import CONTACTS
 from .elements import magnitudes
 from .friction import rate
 from .mechanics import Mechanics
@@ -36,7 +36,7 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
         natural = max(travel[point] for point in points) * peaks[f"{slider}.guide_force"]
         peaks[f"{slider}.guide_moment"] = max(peaks[f"{slider}.guide_moment"], natural)  # often zero by symmetry
     for one in mechanics.scene.friction:
-        arm = 1.0 if isinstance(one, PinFriction) else max(travel.values())
+        arm = 1.0 if CONTACTS[type(one)].turns else max(travel.values())
         if np.abs(rate(MotionVectors(mechanics.scene, motion), one)).max() <= REST * arm * mechanics.scene.pace:
             peaks[one.channel(mechanics.scene)] = 0.0  # noise, of a joint that never moves
     terms = magnitudes(MotionVectors(mechanics.scene, motion), mechanics.size) if peaks else {}

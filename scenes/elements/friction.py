@@ -6,15 +6,18 @@ moment M about the slider's first point are carried at the two ends of the conta
 resist by mu (|N1| + |N2|) = mu max(|N|, 2 |M| / length), along the guide through that point.
 """
 
-from collections.abc import Iterator
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field
 
+from ..bodies import Body
 from ..errors import InputError, nearest
-from ..fields import Coefficient, Damping, FileTable, Known, Length, SlidingRate, TurningDamping, TurningRate
+from ..fields import Coefficient, Damping, Known, Length, SlidingRate, TurningDamping, TurningRate
+from .element import Element, ElementTable, End
 
 if TYPE_CHECKING:
     from ..scene import Pin, Scene
@@ -23,12 +26,42 @@ AT_REST = 1e-9  # of the largest rate of all bodies, or speed of all points, at 
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Friction:
+class Friction(Element):
     """What both kinds have; by default Coulomb's, kinetic, without smoothing."""
+
+    kind = "friction"
+    by_joints = True
 
     coefficient: Coefficient
     smooth: float | None = None  # a rate, of tanh(rate / smooth) in place of the sign
-    kind = "friction"
+    viscous: float | None = None  # what resists besides, by the rate
+
+    @property
+    def ends(self) -> tuple[End, ...]:
+        """None of its own: it acts where its joint is."""
+        return ()
+
+    @abstractmethod
+    def channel(self, scene: "Scene") -> str:
+        """The channel of its moment on the pin's later body, or of its force on the slider along the guide."""
+
+    @abstractmethod
+    def joint(self, scene: "Scene") -> str:
+        """What the channels of the joint are named by."""
+
+    @abstractmethod
+    def joined(self, scene: "Scene") -> tuple[str, str]:
+        """The two bodies that rub: the one whose friction the channel is comes last."""
+
+    def bodies(self, scene: "Scene") -> frozenset[str]:
+        """The two bodies that rub."""
+        return frozenset(self.joined(scene))
+
+    def problems(self, scene: "Scene", place: str) -> Iterator[str]:
+        """Yield a sentence for each name of a joint that is none, and where the joint has friction already."""
+        before = scene.friction[: int(place.rpartition(".")[2])]
+        if any(self.channel(scene) == other.channel(scene) for other in before):
+            yield f"{place}: the joint has friction already; expected one table a joint"
 
     def sense(self, rate: Any, largest: Any) -> Any:
         """The sign of a rate of a joint's parts on each other, 0 at rest; `largest` is that of the linkage."""
@@ -38,14 +71,14 @@ class _Friction:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PinFriction(_Friction):
+class PinFriction(Friction):
     """A moment at a pin against the turning of its two bodies on each other."""
 
+    smooth: TurningRate | None = None  # rad/s
     at: str  # the pin
     body: str | None = None  # the later of its two bodies, where three meet
     radius: Length  # m
     viscous: TurningDamping | None = None  # N m s/rad
-    smooth: TurningRate | None = None  # rad/s
 
     @property
     def arm(self) -> Any:
@@ -64,15 +97,29 @@ class PinFriction(_Friction):
         """The channel of the moment on the pin's later body."""
         return f"{self.joint(scene)}.friction_moment"
 
+    def joined(self, scene: "Scene") -> tuple[str, str]:
+        """The two bodies of the pin, in the order of the file."""
+        pin = self.pin(scene)
+        return pin.first, pin.second
+
+    def problems(self, scene: "Scene", place: str) -> Iterator[str]:
+        """Yield a sentence for each name of a joint that is none, and where the joint has friction already."""
+        later = [pin.second for pin in scene.pins if pin.point == self.at]
+        if not later:
+            yield f"{place}.at: no pin '{self.at}'{nearest(self.at, [pin.point for pin in scene.pins])}"
+        if self.body is not None and self.body not in later:
+            yield f"{place}.body: expected a later body at {self.at}{nearest(self.body, later)}"
+        yield from super().problems(scene, place)
+
 
 @dataclass(frozen=True, kw_only=True)
-class GuideFriction(_Friction):
+class GuideFriction(Friction):
     """A force along a guide against the sliding of its slider."""
 
+    smooth: SlidingRate | None = None  # m/s
     slider: str
     length: Length  # m, of the contact, with its middle at the slider's first point
     viscous: Damping | None = None  # N s/m
-    smooth: SlidingRate | None = None  # m/s
 
     def joint(self, _: "Scene") -> str:
         """What the channels of the guide are named by."""
@@ -82,21 +129,35 @@ class GuideFriction(_Friction):
         """The channel of the force on the slider along its guide."""
         return f"{self.slider}.friction_force"
 
+    def joined(self, scene: "Scene") -> tuple[str, str]:
+        """What has the guide, and the slider."""
+        return scene.slides[self.slider].on, self.slider
 
-Friction: TypeAlias = PinFriction | GuideFriction
+    def problems(self, scene: "Scene", place: str) -> Iterator[str]:
+        """Yield a sentence for each name of a joint that is none, and where the joint has friction already."""
+        if self.slider not in scene.slides:
+            yield f"{place}.slider: no body '{self.slider}' that slides{nearest(self.slider, scene.slides)}"
+        yield from super().problems(scene, place)
+
+
 NEEDED = {  # what the sizes of joints are for
     "radius": "the radius of the pin: its friction is at most coefficient * radius * force",
     "length": "the length of the guide's contact: its ends carry the slider's moment, which gives friction too",
 }
 
 
-class FrictionTable(FileTable):
+class FrictionTable(ElementTable):
     """Friction at a pin, or in a guide.
 
     A pin resists by r mu / sqrt(1 + mu^2) |R|, so that the line of its force R touches the friction circle; other
     programs often take mu r |R|, which is 0.5 % more at mu = 0.1, 2 % at 0.2, 4.4 % at 0.3. A guide resists by
     mu max(|N|, 2 |M| / length), of its normal force N and its moment M about the slider's first point.
     """
+
+    key = "friction"
+    about = "Friction of pins and guides; none where absent."
+    rank = 2
+    kinds = (PinFriction, GuideFriction)
 
     at: Known | None = Field(None, description="The pin.")
     body: Known | None = Field(None, description="Of three bodies at one pin: the later one of the two that rub.")
@@ -107,7 +168,7 @@ class FrictionTable(FileTable):
     viscous: Damping | None = Field(None, description="At a pin moment by rad/s; in a guide force by length a second.")
     smooth: TurningRate | None = Field(None, description="The rate, rad/s or length a second, of tanh(rate / smooth).")
 
-    def element(self, place: str) -> Friction:
+    def element(self, place: str, _: Mapping[str, Body]) -> Friction:
         """The friction, its numbers as they are; InputError where the keys do not go together."""
         if (self.at is None) == (self.slider is None):
             raise InputError(f"{place}: expected either 'at', a pin, or 'slider'")
@@ -119,23 +180,3 @@ class FrictionTable(FileTable):
             raise InputError(f"{place}.{size}: missing; {NEEDED[size]}")
         given = self.model_dump(exclude_none=True)
         return PinFriction(**given) if self.slider is None else GuideFriction(**given)
-
-
-def problems(scene: "Scene") -> Iterator[str]:
-    """Yield a sentence for each friction entry that refers to no joint, or to one that has friction already."""
-    seen: set[str] = set()
-    for number, friction in enumerate(scene.friction):
-        place = f"friction.{number}"
-        if isinstance(friction, GuideFriction):
-            if friction.slider not in scene.slides:
-                yield f"{place}.slider: no body '{friction.slider}' that slides{nearest(friction.slider, scene.slides)}"
-        else:
-            later = [pin.second for pin in scene.pins if pin.point == friction.at]
-            if not later:
-                yield f"{place}.at: no pin '{friction.at}'{nearest(friction.at, [pin.point for pin in scene.pins])}"
-            if friction.body is not None and friction.body not in later:
-                yield f"{place}.body: expected a later body at {friction.at}{nearest(friction.body, later)}"
-        joint = friction.channel(scene)
-        if joint in seen:
-            yield f"{place}: the joint has friction already; expected one table a joint"
-        seen.add(joint)

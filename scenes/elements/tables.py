@@ -1,17 +1,22 @@
 """Tables of a load: its values against where the drive is, the time, or a slider's displacement along its guide."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
+from ..demand import Demand
 from ..fields import Coordinate, NewtonMetres, Newtons, Position, Time
+
+if TYPE_CHECKING:
+    from ..scene import Scene
 
 Over: TypeAlias = Literal["drive", "time", "displacement"]
 COLUMN = {"drive": "positions", "time": "times", "displacement": "displacements"}  # by what it is over: its field
+DIMENSION = {"positions": "position", "times": "time", "displacements": "length"}  # by column
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,11 @@ class LoadCurve:
         """Its second column, SI."""
         return self.forces or self.moments
 
+    @property
+    def largest(self) -> Any:
+        """The value that is furthest from zero."""
+        return max(self.values, key=abs)
+
     def within(self, argument: Any) -> Any:
         """Arguments of any shape; of a periodic table those in its period that they stand for."""
         if not self.periodic:
@@ -51,6 +61,23 @@ class LoadCurve:
         """The values at arguments of any shape."""
         lines = straight_lines if self._of_many else np.interp
         return lines(self.within(argument), self.arguments, self.values)
+
+    def problems(self, scene: "Scene", place: str) -> Iterator[str]:
+        """Yield what of a periodic table does not fit; `place` is its own in the file."""
+        if self.periodic:
+            first, *_, last = self.values
+            if not abs(last - first) <= 1e-9 * max(map(abs, self.values)):  # what a unit's conversion leaves
+                unit, size = scene.all_units["force" if self.forces else "moment"]
+                off = f"{first / size:.6g} {unit}, found {last / size:.6g} {unit}"
+                yield f"{place}: periodic: expected the last value to be the first, {off}"
+
+    def demands(self, scene: "Scene", place: str) -> Iterator[Demand]:
+        """Yield that its arguments increase; `place` is its own in the file."""
+        name = COLUMN[self.over]
+        unit, size = scene.all_units[DIMENSION[name]]
+        for row, (before, after) in enumerate(pairwise(self.arguments), start=1):
+            text = f"{place}.{row}.0: expected increasing {name}, found {{:.4g}} {unit}"
+            yield Demand(text, before < after, (after / size,))
 
     @cached_property
     def _of_many(self) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import check_changes, doubles, scene_of
 from ..drive import Samples
+from ..elements import LISTS
 from ..errors import InputError, at_place, nearest
 from ..scene import Scene
 from .demands import unmet_by_numbers, unmet_together
@@ -18,7 +19,7 @@ from .demands import unmet_by_numbers, unmet_together
 Value: TypeAlias = float | str
 ONCE = "expected each number once; this path duplicates an earlier one"
 # what machines of one drive may differ in
-VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "torsion_springs", "friction", "gravity")
+VARIED = ("ground", "bodies", "drive.speed", *LISTS, "gravity")
 
 
 def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:

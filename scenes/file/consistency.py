@@ -8,11 +8,9 @@ from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 from math import pi, remainder
 
-from ..elements import friction
-from ..elements.tables import LoadCurve
 from ..errors import InputError, nearest, path_in_file
 from ..limits import POINTS, TURNS, WAVES
-from ..scene import GROUND, Body, HarmonicLaw, MotionLaw, Scene, SegmentedLaw, Spring, TorsionSpring, Vector
+from ..scene import GROUND, Body, HarmonicLaw, MotionLaw, Scene, SegmentedLaw, Vector
 from . import freedoms
 from .demands import unmet_by_numbers, unmet_together
 
@@ -33,8 +31,8 @@ def _problems(scene: Scene, output_slides: bool) -> Iterator[str]:
     yield from _of_drive(scene)
     yield from (demand.refusal() for demand in unmet_together(scene))
     yield from _of_joints(scene)
-    yield from _of_elements(scene)
-    yield from friction.problems(scene)
+    for place, element in scene.listed:
+        yield from element.problems(scene, place)
     yield from _of_sketch_and_output(scene, output_slides)
 
 
@@ -76,7 +74,7 @@ def _of_bodies(scene: Scene) -> Iterator[str]:
             more = "more than three points that are not on one line"
             yield f"bodies.{name}: expected 'com' and 'inertia', since it has a mass and {more}"
     missing = [body.name for body in scene.bodies.values() if body.mass is None]
-    if missing and (len(missing) < len(scene.bodies) or any(scene.elements) or scene.friction):
+    if missing and (len(missing) < len(scene.bodies) or scene.listed):
         why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
         yield f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none"
 
@@ -170,38 +168,6 @@ def _of_joints(scene: Scene) -> Iterator[str]:
         count = f"{b} bodies, {p} pins and {s} slides leave 3*{b} - 2*{p} - 2*{s} = {mobility} degrees of freedom"
         cause = freedoms.cause(scene, mobility)
         yield f"bodies: {kind}: {cause}{'' if cause.endswith('?') else ';'} {count}; expected 1, for the drive"
-
-
-def _of_elements(scene: Scene) -> Iterator[str]:
-    for place, element in scene.elements:
-        ends, body_key, point_key = list[tuple[str, str]](), "between", "at"
-        if isinstance(element, Spring):
-            ends, point_key = [element.first, element.second], "between"
-        elif isinstance(element, TorsionSpring):
-            ends = [(element.first, element.at), (element.second, element.at)]
-        else:
-            ends, body_key = [(element.body, element.at)], "body"
-            yield from _of_table(scene, place, getattr(element, "table", None))
-        known = scene.bodies if len(ends) == 1 else (GROUND, *scene.bodies)
-        for body, point in ends:
-            if body not in known:
-                yield f"{place}.{body_key}: no body '{body}'{nearest(body, known)}"
-            points = scene.ground if body == GROUND else scene.bodies[body].points
-            if point not in points:
-                yield f"{place}.{point_key}: '{body}' has no point '{point}'{nearest(point, points)}"
-        if len(ends) > len({body for body, _ in ends}):
-            yield f"{place}.between: expected two bodies, found '{ends[0][0]}' twice"
-        if isinstance(element, Spring) and element.first[1] == element.second[1]:
-            yield f"{place}.between: {element.first[1]} is the same point of both bodies"
-
-
-def _of_table(scene: Scene, place: str, table: LoadCurve | None) -> Iterator[str]:
-    if table is not None and table.periodic:
-        first, *_, last = table.values
-        if not abs(last - first) <= 1e-9 * max(map(abs, table.values)):  # what a unit's conversion leaves
-            unit, size = scene.all_units["force" if table.forces else "moment"]
-            off = f"{first / size:.6g} {unit}, found {last / size:.6g} {unit}"
-            yield f"{place}.table: periodic: expected the last value to be the first, {off}"
 
 
 def _shown(scene: Scene, bodies: Collection[str], known: Collection[str]) -> bool:

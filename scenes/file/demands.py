@@ -1,32 +1,18 @@
 """What is demanded of the numbers of a scene, or of many machines: their signs and sizes, and how they relate."""
 
 from collections.abc import Iterator
-from itertools import combinations, pairwise
-from typing import Any, NamedTuple
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from ..bodies import LINE, Body, heights
-from ..elements.loads import push
-from ..elements.tables import COLUMN
+from ..demand import Demand, of_size
 from ..fields import walk
 from ..outline import meetings, places
-from ..scene import ConstantSpeed, DrawnBody, PressForce, Scene, TableForce
+from ..scene import ConstantSpeed, DrawnBody, Scene
 
-DIMENSION = {"positions": "position", "times": "time", "displacements": "length"}  # by column
 FLAT = 1e-9  # of the square of an outline's size: the area of one whose corners are on one line, but for rounding
-
-
-class Demand(NamedTuple):
-    """Something that numbers have to be, and are not."""
-
-    text: str  # `<path in the file>: <what was expected>, found {}`
-    fits: Any  # whether they are: of many machines an array of shape (m, 1)
-    numbers: tuple[Any, ...]  # for the text, in the units of the file
-
-    def refusal(self, machine: int = 0) -> str:
-        """The text, of one machine of many."""
-        return self.text.format(*(np.broadcast_to(n, np.shape(self.fits)).ravel()[machine] for n in self.numbers))
 
 
 def unmet_by_numbers(scene: Scene) -> Iterator[Demand]:
@@ -59,7 +45,7 @@ def _together(scene: Scene) -> Iterator[Demand]:
     for body in scene.bodies.values():
         place = f"bodies.{body.name}"
         if body.slide is not None:
-            yield _of_size(f"{place}.slides.along: expected a direction of a size", body.slide.drawn)
+            yield of_size(f"{place}.slides.along: expected a direction of a size", body.slide.drawn)
         for a, b, c in _triangles(body):
             text = "the triangle cannot close, expected its longest side to be shorter than the other two together"
             sides = f"found {{:.6g}} {length} against {{:.6g}} {length}"
@@ -74,24 +60,8 @@ def _together(scene: Scene) -> Iterator[Demand]:
                 text = f"{place}: expected {where}, or 'com' and 'inertia', found {{:g}}"
                 yield Demand(text, (height <= LINE) == (len(body.corners) == 2), (height,))
     yield from _of_drive(scene)
-    for number, load in enumerate(scene.loads):
-        place = f"loads.{number}"
-        if isinstance(load, PressForce) and (slide := scene.bodies[load.body].slide):
-            text = f"{place}.force: expected a part along the guide, which the slider closes against, found {{:g}}"
-            yield Demand(text, (part := push(load.force, slide)) != 0, (part,))
-        elif isinstance(load, TableForce):
-            yield _of_size(f"{place}.along: expected a direction of a size", np.hypot(*load.along))
-        if (table := getattr(load, "table", None)) is not None:
-            name = COLUMN[table.over]
-            unit, size = scene.all_units[DIMENSION[name]]
-            for row, (before, after) in enumerate(pairwise(table.arguments), start=1):
-                text = f"{place}.table.{row}.0: expected increasing {name}, found {{:.4g}} {unit}"
-                yield Demand(text, before < after, (after / size,))
-
-
-def _of_size(expected: str, value: Any, unit: str = "") -> Demand:
-    text = f"{expected} from 1e-15{unit} to 1e15{unit}, found {{:g}}{unit}"
-    return Demand(text, np.logical_and(value >= 1e-15, value <= 1e15), (value,))
+    for place, element in scene.listed:
+        yield from element.demands(scene, place)
 
 
 def _of_drawn(body: DrawnBody) -> Iterator[Demand]:
@@ -104,7 +74,7 @@ def _of_drawn(body: DrawnBody) -> Iterator[Demand]:
             expected = "expected sides that meet only at the corner between them, the last one back to the first"
             sides = f"{one} to {one + 1} and {other} to {(other + 1) % len(at)}"
             yield Demand(f"{place}.outline: {expected}, found {sides} that meet", ~where, ())
-    yield _of_size(f"{place}: expected numbers that give a mass", body.mass, " kg")
+    yield of_size(f"{place}: expected numbers that give a mass", body.mass, " kg")
 
 
 def _of_drive(scene: Scene) -> Iterator[Demand]:

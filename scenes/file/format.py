@@ -1,17 +1,15 @@
 """The files as they are written, `format = 1`: keys, types, ranges. Numbers are in the units of the scene file."""
 
 from datetime import date, time
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, create_model
 from pydantic_core import PydanticCustomError
 
 from .. import limits
 from ..bodies import BodyTable
 from ..drive import DriveTable
-from ..elements.friction import FrictionTable
-from ..elements.loads import LoadTable
-from ..elements.springs import SpringTable, TorsionSpringTable
+from ..elements import LISTS
 from ..fields import EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive
 from ..scene import LimitTable, VariationTable
 
@@ -80,8 +78,8 @@ class TolerancesTable(FileTable):
     force: Positive | None = Field(None, description="Of the driven slider's force, over its peak.")
 
 
-class SceneFile(FileTable):
-    """A whole scene file."""
+class _LinkageFile(FileTable):
+    """The first keys of a scene file."""
 
     format: Format = Field(description="The version of this format.")
     name: Name = Field(description='Of the folder of results: letters, digits and "_", a letter first.')
@@ -98,16 +96,20 @@ class SceneFile(FileTable):
         description="The moving bodies, by name. A pin's force acts from the body named first here on the other one.",
     )
     drive: DriveTable = Field(description="The driven body, and how it moves.")
-    loads: list[LoadTable] = Field([], max_length=limits.LOADS, description="Forces and moments on bodies.")
-    springs: list[SpringTable] = Field(
-        [], max_length=limits.LOADS, description="Linear springs and dampers between two points."
-    )
-    torsion_springs: list[TorsionSpringTable] = Field(
-        [], max_length=limits.LOADS, description="Springs and dampers that twist, at a pin."
-    )
-    friction: list[FrictionTable] = Field(
-        [], max_length=limits.LOADS, description="Friction of pins and guides; none where absent."
-    )
+
+
+if TYPE_CHECKING:
+    _LoadedFile = _LinkageFile
+else:  # with a key for each list of elements
+    _LISTS = {
+        key: (list[table], Field([], max_length=limits.LOADS, description=table.about)) for key, table in LISTS.items()
+    }
+    _LoadedFile = create_model("_LoadedFile", __base__=_LinkageFile, **_LISTS)
+
+
+class SceneFile(_LoadedFile):
+    """A whole scene file."""
+
     variations: list[VariationTable] = Field(
         [], max_length=limits.VARIATIONS, description="What the workshop may deviate, for `--monte-carlo`."
     )

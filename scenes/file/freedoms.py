@@ -13,7 +13,7 @@ from difflib import get_close_matches
 from typing import NamedTuple
 
 from ..model.constraints import Pattern, matched
-from ..scene import GROUND, Load, Scene, Spring, TorsionSpring
+from ..scene import GROUND, Scene
 
 ALIKE = 0.75  # by difflib: names that are likely meant to be one
 LISTED, MANY = 3, 6  # things of a kind that a message names
@@ -118,15 +118,11 @@ def _chain(loose: Iterable[str]) -> str:
 
 def _alone(scene: Scene, loose: Collection[str], ends: Collection[str]) -> list[str]:
     """The points that one body alone has, and no load or spring: of loose bodies all, of others those not sketched."""
-    used = {scene.output, *(point for _, element in scene.elements for point in _points(element))}
+    used = {scene.output, *(point for _, element in scene.elements for _, point in element.ends)}
     alone = {point: owners[0] for point, owners in scene.owners.items() if len(owners) == 1 and point not in used}
     may_hold = {point: body for point, body in alone.items() if body not in ends}
     found = [(p, body) for p, body in may_hold.items() if body in (GROUND, *loose) or p not in scene.drawn]
     return [f"'{point}' is on {_on(body)} alone" for point, body in found]
-
-
-def _points(element: Load | Spring | TorsionSpring) -> Iterable[str]:
-    return (element.first[1], element.second[1]) if isinstance(element, Spring) else (element.at,)
 
 
 def _on(body: str) -> str:

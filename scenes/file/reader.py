@@ -20,6 +20,7 @@ from typing import Any
 from ..arguments import refuse, scene_of, single_values
 from ..bodies import SlideTable
 from ..channels import TRANSMISSION, Role
+from ..elements import LISTS
 from ..errors import InputError, at_place, nearest, one_line
 from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
@@ -142,6 +143,10 @@ def _scene(table: SceneFile, file: str) -> Scene:
     units = si_units(table.units, table.drive.body, slides=slides)
     bodies = {name: body.body(name) for name, body in table.bodies.items()}
     held = {engine: _tolerances(f"tolerances.{engine}", of, slides=slides) for engine, of in table.tolerances.items()}
+    lists: dict[str, Any] = {
+        key: tuple(entry.element(f"{key}.{number}", bodies) for number, entry in enumerate(getattr(table, key)))
+        for key in LISTS
+    }
     as_written = Scene(
         name=table.name,
         title=one_line(table.title or table.name, TITLE),
@@ -150,18 +155,13 @@ def _scene(table: SceneFile, file: str) -> Scene:
         ground=MappingProxyType(table.ground.points),
         bodies=MappingProxyType(bodies),
         drives=(replace(table.drive.drive(), on=_driven_on(table, guide)),),
-        loads=tuple(load.element(f"loads.{number}", bodies) for number, load in enumerate(table.loads)),
-        springs=tuple(spring.element(f"springs.{number}") for number, spring in enumerate(table.springs)),
         gravity=table.gravity,
         sketch=Sketch(_position_in_sketch(table, slides=slides), MappingProxyType(table.sketch.model_extra or {})),
         output=table.output.slider or table.output.point or "",
         tolerances=MappingProxyType(held),
         units=MappingProxyType(units),
         variations=tuple(table.variations),
-        torsion_springs=tuple(
-            spring.element(f"torsion_springs.{number}") for number, spring in enumerate(table.torsion_springs)
-        ),
-        friction=tuple(one.element(f"friction.{number}") for number, one in enumerate(table.friction)),
+        **lists,
     )
     sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}
     in_si = {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}

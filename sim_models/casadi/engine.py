@@ -9,10 +9,13 @@ accelerations and multipliers in them from linear systems.
 from functools import partial
 
 from scenes import Request, Scene
+from scenes.elements import kinds_of
 from scenes.model.engine import Simulation
 
 from ..coordinates.settings import NEWTON, PoseSettings, rung
+from .elements import RULES
 
+KINDS = kinds_of(RULES)
 DEFAULT = NEWTON
 at_steps = partial(rung, PoseSettings, "Runge-Kutta", 4)
 WORK_PRECISION = (*map(at_steps, (72, 144, 360, 720)), DEFAULT)

@@ -17,9 +17,11 @@ import casadi
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
 from scenes.channels import Role
-from scenes.scene import GROUND, Force, Load, PressForce, Spring
+from scenes.elements.springs import PointPair
+from scenes.scene import GROUND
 
 from ..coordinates.system import System
+from .elements import RULES
 
 
 class SymbolicLinkage:
@@ -55,6 +57,10 @@ class SymbolicLinkage:
         """Return where a body has a point, m."""
         return self.place(body, self._arms[body, name])
 
+    def way(self, pair: PointPair) -> Any:
+        """Return the way from the first of two points to the second, m."""
+        return self.point(*pair.second) - self.point(*pair.first)
+
     @property
     def drive_position(self) -> Any:
         """The position of the drive, rad or m."""
@@ -81,35 +87,20 @@ class SymbolicLinkage:
             kinetic += (body.mass * casadi.sumsqr(jtimes(com, x, v)) + body.inertia * omega**2) / 2
             if self.scene.gravity is not None:
                 potential -= body.mass * casadi.dot(vertcat(*self.scene.gravity), com)
-        potential += sum(self._stored(spring) for spring in self.scene.springs)
-        for number, load in enumerate(self.scene.loads):
-            work += jtimes(self.point(load.body, load.at), x, self._force(number, load), True)
+        stored = SX(0)
+        for place, element in self.scene.elements:
+            of_element = RULES[type(element)](self, element, place)
+            stored += of_element.potential
+            for end, force in of_element.forces:
+                work += jtimes(self.point(*end), x, force, True)
+        potential += stored
         momentum = casadi.gradient(kinetic, v) if self.bodies else v
         return jtimes(momentum, x, v) + jtimes(momentum, v, a) - casadi.gradient(kinetic - potential, x) - work
 
-    def _stored(self, spring: Spring) -> Any:
-        """Return a spring's energy; without a free length that has a derivative at no length too."""
-        way = self.point(*spring.second) - self.point(*spring.first)
-        squared = (casadi.norm_2(way) - spring.length) ** 2 if spring.length else casadi.sumsqr(way)
-        return spring.stiffness / 2 * squared
-
     @cached_property
     def stroke_ends(self) -> Any:
-        """Where the strokes of the press forces end, m, by load; not a number of others. To be given to functions."""
-        return SX.sym("end", len(self.scene.loads))
-
-    def _force(self, number: int, load: Load) -> Any:
-        if isinstance(load, Force):
-            return vertcat(*load.force)
-        x = self.slid(load.body)
-        if isinstance(load, PressForce):
-            before_end = load.closing * (self.stroke_ends[number] - x)
-            closes = load.closing * jtimes(x, self.x, self.v) > 0
-            return casadi.logic_and(before_end <= load.last, closes) * vertcat(*load.force)
-        assert load.table is not None  # along the guide, against x: of the others it knows none
-        places, forces = load.table.arguments, load.table.values
-        force = casadi.pw_lin(casadi.fmin(casadi.fmax(x, places[0]), places[-1]), vertcat(*places), vertcat(*forces))
-        return force * vertcat(*self.scene.slides[load.body].along)
+        """Where the strokes of the press forces end, m, in the order of `scene.presses`. To be given to functions."""
+        return SX.sym("end", len(self.scene.presses))
 
     @cached_property
     def functions(self) -> tuple[Function, Function, Function]:
@@ -122,9 +113,9 @@ class SymbolicLinkage:
 
     @property
     def shortest_spring(self) -> Any:
-        """The length of the shortest spring with a free length, over the linkage's size."""
-        ends = [(s.first, s.second) for s in self.scene.springs if s.length]
-        lengths = (casadi.norm_2(self.point(*second) - self.point(*first)) / self.size for first, second in ends)
+        """The length of the shortest spring that needs a direction, over the linkage's size."""
+        pairs = [pair for pair in self.scene.of_type(PointPair).values() if pair.needs_direction]
+        lengths = (casadi.norm_2(self.way(pair)) / self.size for pair in pairs)
         return casadi.mmin(vertcat(1.0, *lengths))
 
 

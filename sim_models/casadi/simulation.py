@@ -87,7 +87,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         if self._forces:
             known = [linkage.x, linkage.v, linkage.a, linkage.stroke_ends]
             needed = Function("needed", known, [linkage.required])
-            multipliers = casadi.solve(J.T, needed(x, v, a, self._ends), SOLVER)
+            multipliers = casadi.solve(J.T, needed(x, v, a, [*self._ends.values()]), SOLVER)
         held = SX.sym("l", count)
         rows = casadi.vertcat(*map(channels(linkage, held).__getitem__, self._wanted), linkage.shortest_spring)
         sampled = Function("channels", [linkage.x, linkage.v, linkage.a, held], [rows])

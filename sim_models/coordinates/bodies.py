@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping
 from itertools import combinations
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from scenes import Failure, Scene, Status
 from scenes.scene import Body
-
-End: TypeAlias = tuple[str, str]  # a body and its point
 
 
 class FramedBody(NamedTuple):

@@ -1,15 +1,15 @@
-"""The forces of loads and springs on the bodies, a function a kind."""
+"""What loads and springs do to the bodies: a rule for each type of element that these engines know."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.model.motion import Samples
-from scenes.scene import Force, Load, PressForce, Spring
-
-from .bodies import End
+from scenes.elements.element import Element, End
+from scenes.elements.loads import Force, ForceTable, Load, PressForce
+from scenes.elements.springs import PointPair, Spring
 
 SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
 
@@ -27,43 +27,62 @@ class Wrench(NamedTuple):
         return self.moment + ((self.at - place).conjugate() * self.force).imag
 
 
-def applied(
-    scene: Scene,
-    ends: Samples,
-    slid: Callable[[str], tuple[Any, Any]],
-    place: Callable[[End], Any],
-    shortest: float,
-) -> Iterator[Wrench]:
-    """Yield what loads and springs do, at one time or at many.
+@dataclass(frozen=True)
+class Situation:
+    """What forces depend on, at one time or at many."""
 
-    By the ends of the press forces' strokes, m, a load; how far, m, and fast, m/s, a slider on the ground is along its
-    guide; the place of a point, m; and the length, m, from which a spring has a direction.
-    """
-    for load, end in zip(scene.loads, ends.tolist(), strict=True):
-        yield Wrench(load.body, place((load.body, load.at)), _force(scene, load, end, slid))
-    for spring in scene.springs:
-        first, second = place(spring.first), place(spring.second)
-        pull = _pull(spring, second - first, shortest)
-        yield Wrench(spring.first[0], first, pull)
-        yield Wrench(spring.second[0], second, -pull)
+    scene: Scene
+    ends: Mapping[str, float]  # of the press forces' strokes, by place in the file, m
+    slid: Callable[[str], tuple[Any, Any]]  # how far, m, and fast, m/s, a slider on the ground is along its guide
+    place: Callable[[End], Any]  # of a point, m
+    shortest: float  # m: from this length on a spring has a direction
 
+    def on_body(self, load: Load, force: Any) -> Iterator[Wrench]:
+        """Yield a force at the point of a load."""
+        yield Wrench(load.body, self.place((load.body, load.at)), force)
 
-def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any, Any]]) -> Any:
-    if isinstance(load, Force):
-        return complex(*load.force)
-    displacement, velocity = slid(load.body)
-    if isinstance(load, PressForce):
-        return load.acts(displacement, velocity, end) * complex(*load.force)
-    assert load.table is not None  # along the guide, against the displacement: of the others it knows none
-    return complex(*scene.slides[load.body].along) * load.table.at(displacement)
+    def apart(self, pair: PointPair, way: Any) -> Any:
+        """Return the length, m, of the way from the first of two points to the second; Failure where it is none."""
+        length: Any = np.abs(way)
+        if not np.min(length) > self.shortest:
+            first, second = (".".join(end) for end in pair.ends)
+            raise Failure(Status.nonfinite, f"the ends {first} and {second} of a {pair.noun} meet: it has no direction")
+        return length
 
 
-def _pull(spring: Spring, way: Any, shortest: float) -> Any:
-    """Return the force on a spring's first end, by the way to its second."""
-    if not spring.length:
-        return spring.stiffness * way
-    length = np.abs(way)
-    if not np.min(length) > shortest:
-        first, second = ".".join(spring.first), ".".join(spring.second)
-        raise Failure(Status.nonfinite, f"the ends {first} and {second} of a spring meet: it has no direction")
-    return spring.stiffness * (way - spring.length * way / length)
+def applied(at: Situation) -> Iterator[Wrench]:
+    """Yield what all loads and springs do."""
+    for place, element in at.scene.elements:
+        yield from RULES[type(element)](element, place, at)
+
+
+def _force(load: Force, _: str, at: Situation) -> Iterator[Wrench]:
+    return at.on_body(load, complex(*load.force))
+
+
+def _press(load: PressForce, place: str, at: Situation) -> Iterator[Wrench]:
+    acts = load.acts(*at.slid(load.body), at.ends[place])
+    return at.on_body(load, acts * complex(*load.force))
+
+
+def _force_table(load: ForceTable, _: str, at: Situation) -> Iterator[Wrench]:
+    assert load.table is not None
+    displacement, _velocity = at.slid(load.body)
+    return at.on_body(load, complex(*at.scene.slides[load.body].along) * load.table.at(displacement))
+
+
+def _spring(spring: Spring, _: str, at: Situation) -> Iterator[Wrench]:
+    first, second = (at.place(end) for end in spring.ends)
+    way = second - first
+    relaxed = spring.length * way / at.apart(spring, way) if spring.length else 0
+    pull = spring.stiffness * (way - relaxed)
+    yield Wrench(spring.first[0], first, pull)
+    yield Wrench(spring.second[0], second, -pull)
+
+
+RULES: Mapping[type[Element], Callable[[Any, str, Situation], Iterator[Wrench]]] = {
+    Force: _force,
+    PressForce: _press,
+    ForceTable: _force_table,
+    Spring: _spring,
+}

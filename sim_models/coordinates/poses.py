@@ -4,7 +4,7 @@ For the start every body is laid on the sketch, the gaps are closed, and the dri
 halved. The sign of det C_x changes only where two branches meet, so a step that changes it is too long as well.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache, partial
 from itertools import pairwise
 from typing import Any
@@ -15,7 +15,7 @@ from scipy.optimize import least_squares, minimize_scalar
 from scenes import Failure, ProcessorBudget, Scene, Status
 from scenes.model.constraints import joint_rows, misfit
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, PressForce
+from scenes.scene import GROUND
 
 from .bodies import MovingBody
 from .system import ClosedPose, System, solved
@@ -146,12 +146,12 @@ class PathFollower:
 @lru_cache(SCENES)
 def begun(
     kind: Callable[[Scene], System], scene: Scene, whole_way: bool
-) -> tuple[Any, PathFollower, ClosedPose, Samples]:
+) -> tuple[Any, PathFollower, ClosedPose, Mapping[str, float]]:
     """Return what all runs of a scene begin with; Failure where constraints repeat others, or no pose is on the branch.
 
-    Those are its constraints, of that kind; its poses, and that at the drive's start; and by load the displacement
-    where a press force's stroke ends, m, zero for other loads, shape (loads,). Where asked, the whole way of the drive
-    is followed too.
+    Those are its constraints, of that kind; its poses, and that at the drive's start; and by the place of each press
+    force in the file the displacement where its stroke ends, m. Where asked, the whole way of the drive is followed
+    too.
     """
     system = kind(scene)
     poses, drawn = PathFollower(system), scene.drive.in_range(scene.sketch.drive)
@@ -167,8 +167,7 @@ def begun(
     for end in law.extent if whole_way else ():
         _ = [*poses.through(pose, law.start, [end])]
     end_of = cache(partial(_end, poses, pose))
-    ends = [end_of(load.body, load.closing) if isinstance(load, PressForce) else 0.0 for load in scene.loads]
-    return system, poses, pose, np.array(ends)
+    return system, poses, pose, {place: end_of(load.body, load.closing) for place, load in scene.presses.items()}
 
 
 def on_sketch(system: System, position: float) -> dict[str, MovingBody]:

@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenes import Scene
+from scenes.elements.element import End
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .bodies import End, MovingBody, framed_body, linkage_size
-from .loads import SHORTEST_SPRING, Wrench, applied
+from .bodies import MovingBody, framed_body, linkage_size
+from .loads import SHORTEST_SPRING, Situation, Wrench, applied
 
 CONTRACTION = 0.25  # largest ratio of a correction to the one before
 FITTING = 0.1  # of a step: the largest first correction
@@ -194,8 +195,8 @@ class System:
             samples |= zip(rates, bodies[name].turning, strict=True)
         return samples
 
-    def applied(self, bodies: Mapping[str, MovingBody], ends: Samples) -> Iterator[Wrench]:
-        """Yield what loads and springs do, see `loads`."""
+    def applied(self, bodies: Mapping[str, MovingBody], ends: Mapping[str, float]) -> Iterator[Wrench]:
+        """Yield what loads and springs do, given where the press forces' strokes end, see `loads`."""
 
         def place(end: End) -> Any:
             return bodies[end[0]].place(self.arms[end])
@@ -204,4 +205,4 @@ class System:
             displacement, velocity, _ = self.slid(bodies, slider)
             return displacement.real, velocity.real
 
-        return applied(self.scene, ends, slid, place, SHORTEST_SPRING * self.size)
+        return applied(Situation(self.scene, ends, slid, place, SHORTEST_SPRING * self.size))

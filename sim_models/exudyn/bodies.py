@@ -6,12 +6,11 @@ A point of the plane is a complex number, x + iy.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import copysign, log2, sqrt
-from typing import Any
 
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.scene import Body, Load, Moment, TableForce
+from scenes.scene import Body
 
 LIGHTER = 2.0**30  # times are the bodies of a kinematic scene than their unit of force suggests
 
@@ -56,18 +55,9 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     rate = scene.drive.law.peak_rate / (1.0 if scene.drive.slide is None else most - least)
     acceleration = size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
     forces = [body.mass * acceleration for body in bodies.values()]
-    forces += [_largest(load, size) for load in scene.loads]
-    forces += [spring.stiffness * size + (spring.damping or 0.0) * size * rate for spring in scene.springs]
-    forces += [(t.stiffness * (1 + abs(t.angle)) + (t.damping or 0.0) * rate) / size for t in scene.torsion_springs]
+    forces += [element.strength(size, rate) for _, element in scene.elements]
     largest = max(forces) * (1.0 if scene.has_masses else LIGHTER)
     return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
-
-
-def _largest(load: Load, size: float) -> float:
-    """The largest force of a load, N, a moment's on an arm as long as the linkage."""
-    constant = load.moment if isinstance(load, Moment) else None if isinstance(load, TableForce) else load.force
-    values: Any = load.table.values if load.table else constant
-    return float(np.abs(values).max()) / (size if isinstance(load, Moment) else 1.0)
 
 
 def _local_points(scene: Scene, body: Body) -> dict[str, complex]:

@@ -7,13 +7,16 @@ there.
 """
 
 from scenes import Request, Scene
-from scenes.elements import ALL_KINDS
+from scenes.drive import KINDS as DRIVES
+from scenes.elements import kinds_of
 from scenes.model.engine import Simulation
 
 from . import settings as named
+from .contacts import CONTACTS
+from .elements import RULES
 from .settings import ExudynSettings, Pointwise
 
-KINDS = ALL_KINDS
+KINDS = kinds_of((*RULES, *CONTACTS)) | DRIVES
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
 at_steps = named.at_steps

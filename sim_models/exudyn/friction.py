@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 
 from scenes import Failure, Status
 from scenes.channels import Role
-from scenes.elements.friction import PinFriction
 from scenes.model.constraints import blocks
-from scenes.scene import GROUND
 
 from .channels import forces, kinematics
+from .contacts import CONTACTS
 from .poses import PoseSolver
 from .system import TURN, Array, ExudynSystem
 
@@ -39,9 +38,9 @@ class JointFriction:
     def __init__(self, poses: PoseSolver) -> None:
         self._poses, self._scene = poses, poses.system.scene
         every = self._scene.friction
-        pins = [isinstance(one, PinFriction) for one in every]
+        pins = [CONTACTS[type(one)].round for one in every]
         self._pins, self._bend = np.array(pins), np.array([one.coefficient for one in every]) * pins
-        self._slope = np.array([(one.radius if isinstance(one, PinFriction) else 1) * one.coefficient for one in every])
+        self._slope = np.array([CONTACTS[type(one)].lever(one) * one.coefficient for one in every])
         self._viscous = np.array([one.viscous or 0.0 for one in every])
         self._carried = _carried(poses.system)
 
@@ -132,35 +131,14 @@ class JointFriction:
 
 def _carried(system: ExudynSystem) -> Array:
     """What joints with friction carry, N, by the multipliers, shape (joints, 2, constraints)."""
-    found, rows = forces(system, np.eye(3 * len(system.bodies))), []
-    channels = system.scene.channels
-    for friction in system.scene.friction:
-        if isinstance(friction, PinFriction):
-            rows.append([found[name] for name in channels.pins[friction.joint(system.scene)]])
-        else:
-            force, moment = channels.guides[friction.slider]
-            rows.append([found[force], found[moment] * (2 / friction.length)])
-    return np.array(rows)
+    found = forces(system, np.eye(3 * len(system.bodies)))
+    return np.array([CONTACTS[type(one)].carried(one, system, found) for one in system.scene.friction])
 
 
 def _directions(system: ExudynSystem, q: Array) -> Array:
     """B: what turns or slides on the coordinates by a unit moment or force of friction, shape (n, 3 bodies, joints)."""
-    scene, names = system.scene, list(system.bodies)
-    directions = np.zeros((*q.shape, len(scene.friction)))
-    for friction, B in zip(scene.friction, np.moveaxis(directions, -1, 0), strict=True):
-        if isinstance(friction, PinFriction):
-            pin = friction.pin(scene)
-            for body, sign in ((pin.first, -1), (pin.second, 1)):
-                if body != GROUND:
-                    B[:, 3 * names.index(body) + TURN] = sign
-            continue
-        slider, on = friction.slider, scene.slides[friction.slider].on
-        (com, angle), (_, turn) = system.pose_of(slider, q), system.pose_of(on, q)
-        along = system.along(slider) * np.exp(1j * (turn + 0 * angle))
-        first = com + system.lever(slider) * np.exp(1j * angle)
-        for body, sign in ((on, -1), (slider, 1)):
-            if body != GROUND:
-                turns = ((first - system.pose_of(body, q)[0]).conjugate() * along).imag
-                number = 3 * names.index(body)
-                B[:, number : number + 3] = sign * np.stack([along.real, along.imag, turns], axis=1)
+    every = system.scene.friction
+    directions = np.zeros((*q.shape, len(every)))
+    for one, B in zip(every, np.moveaxis(directions, -1, 0), strict=True):
+        CONTACTS[type(one)].direct(one, system, q, B)
     return directions

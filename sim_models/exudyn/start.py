@@ -11,7 +11,8 @@ import numpy as np
 from scenes import Failure, Scene, Status
 from scenes.scene import GROUND
 
-from .loads import PressSwitches, press_switches
+from .elements import PressSwitches
+from .loads import press_switches
 from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, exudyn
 

@@ -32,6 +32,7 @@ items = exudyn.itemInterface
 class ExudynSystem:
     """One scene as an assembled Exudyn system, at first without loads; a point of the plane is a complex number."""
 
+    items = items
     node_size = 3  # coordinates of a body
     in_plane = (0, 1, 2)  # which of them are x, y and the angle
     coordinates: Chosen = slice(None)  # x, y and angle of every body in turn, among all coordinates
@@ -150,6 +151,16 @@ class ExudynSystem:
         """A marker on x, y or the angle of a body, or on the ground's zero."""
         node, place = (self._ground_node, 0) if body == GROUND else (self.nodes[body], self.in_plane[number])
         return self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place))
+
+    def angle_of(self, body: str) -> Any:
+        """A marker on the angle of a body, or on the ground's zero."""
+        return self.coordinate(body, TURN)
+
+    @staticmethod
+    def coordinate_at(mbs: Any, marker: Any) -> float:
+        """The coordinate of a marker as a system is now."""
+        value: float = mbs.GetMarkerOutput(marker, exudyn.OutputVariableType.Coordinates)[0]
+        return value
 
     def _add_pin(self, point: str, first: str, second: str) -> Any:
         """Hold P2 - P1 at zero, for the point of each body."""

@@ -12,8 +12,10 @@ from functools import partial
 from typing import Annotated
 
 from scenes import Request, Scene, Settings
+from scenes.elements import kinds_of
 from scenes.model.engine import Simulation
 
+from ..coordinates.loads import RULES
 from ..coordinates.settings import rung
 
 
@@ -28,6 +30,7 @@ class MujocoSettings(Settings):
 # A driven crank is as soft as any joint: it is off by as much as gaps open in a step.
 at_steps = partial(rung, MujocoSettings, "closed in a step", 2, drive_promise=1e-3)
 NOTE = "MuJoCo's defaults for constraints, 0.02 s and a tenth soft: joints open by as much as that lets them"
+KINDS = kinds_of(RULES)
 FAST = DEFAULT = replace(at_steps(1440), promise=1e-2)
 EXACT = replace(at_steps(7200), promise=1e-3)
 WORK_PRECISION: tuple[MujocoSettings, ...] = (

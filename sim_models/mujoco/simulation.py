@@ -8,11 +8,12 @@ import mujoco
 import numpy as np
 
 from scenes import Failure, Request, Scene, Status
+from scenes.elements.element import End
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from ..coordinates.bodies import End, MovingBody
-from ..coordinates.loads import Wrench, applied
+from ..coordinates.bodies import MovingBody
+from ..coordinates.loads import Situation, Wrench, applied
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.system import System
 from .engine import MujocoSettings
@@ -111,14 +112,16 @@ class MujocoSimulation(CoordinateSimulation[System]):
             return size * complex(*data.site(":".join(end)).xpos[:2])
 
         data.xfrc_applied[:] = 0
-        for wrench in applied(self._scene, self._ends, slid, place, SHORTEST_SPRING * size):
+        for wrench in applied(Situation(self._scene, self._ends, slid, place, SHORTEST_SPRING * size)):
             if wrench.body != GROUND:
                 body, force = data.body(wrench.body), wrench.force / units.force
                 moment = wrench.about(size * complex(*body.xipos[:2])) / (units.force * size)
                 data.xfrc_applied[body.id] += force.real, force.imag, 0, 0, 0, moment
 
 
-def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends: Samples) -> dict[str, Samples]:
+def forces(
+    system: System, moving: Mapping[str, MovingBody], held: Samples, ends: Mapping[str, float]
+) -> dict[str, Samples]:
     """Return the force channels, from what pins and drive hold, N or N m, shape (n, rows), and ends of strokes, m.
 
     A guide is a joint of MuJoCo's tree, which has no constraint: what it exerts is what Newton's and Euler's equations

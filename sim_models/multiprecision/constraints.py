@@ -51,6 +51,10 @@ class LinkageEquations:
         self.position = EquationRows(1, len(self.index), int(scene.drive.slide is not None))  # of the drive
         self._add_drive(self.position, 0)
 
+    def rows(self, count: int) -> EquationRows:
+        """Return so many rows of equations, to which terms are to be added."""
+        return EquationRows(count, len(self.index))
+
     def drive(self, value: float | arb) -> arb_mat:
         """Return the goal of f(q) at a position of the drive, or of f' at its rate, of f'' at its acceleration."""
         goal = arb_mat(self.constraints.k.nrows(), 1)

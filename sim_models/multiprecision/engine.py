@@ -14,10 +14,14 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from scenes import Request, Sampling, Scene, Settings
-from scenes.elements import ALL_KINDS
+from scenes.drive import KINDS as DRIVES
+from scenes.elements import kinds_of
 from scenes.model.engine import Simulation
 
-KINDS = ALL_KINDS
+from .contacts import CONTACTS
+from .elements import RULES
+
+KINDS = kinds_of((*RULES, *CONTACTS)) | DRIVES
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ from typing import NamedTuple
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.elements.friction import AT_REST, Friction, PinFriction
+from scenes.elements.friction import AT_REST, Friction
 
 from .constraints import LinkageEquations
-from .rows import EquationRows, angles, column, part, solved
+from .contacts import CONTACTS
+from .rows import angles, column, part, solved
 
 GROWTH = 0.5  # largest change of any g in one step of the factor on all coefficients, of the largest g
 LEAST_STEP = 1e-12  # of that factor, so near to one where forces grow without bound, or where two solutions meet
@@ -30,19 +31,8 @@ class JointResistance:
     """One joint's friction: its `work` for a unit of it, and the P of (1) for the two multipliers of its `rows`."""
 
     def __init__(self, linkage: LinkageEquations, friction: Friction) -> None:
-        scene = linkage.scene
         self.mu, self.viscous, self.smooth = arb(friction.coefficient), arb(friction.viscous or 0), friction.smooth
-        self.radius: arb | None = None
-        if isinstance(friction, PinFriction):
-            pin = friction.pin(scene)
-            joint, self.radius = scene.pins.index(pin), arb(friction.radius)
-            self.work = EquationRows(1, len(linkage.index))
-            linkage.add_angle(self.work, 0, pin.second, pin.first)
-            self.presses = [arb_mat([[1, 0], [0, 1]])]
-        else:
-            joint = len(scene.pins) + list(scene.slides).index(friction.slider)
-            self.work = linkage.displacement(friction.slider)
-            self.presses = [arb_mat([[arb(0.5), end / arb(friction.length)]]) for end in (1, -1)]
+        joint, self.work, self.presses, self.radius = CONTACTS[type(friction)](friction, linkage)
         self.rows = 2 * joint, 2 * joint + 1
 
     def coefficient(self, factor: float) -> arb:

@@ -16,9 +16,10 @@ from scenes.model.motion import Samples
 from .constraints import LinkageEquations
 from .continuation import Continuation
 from .drive import Command, commands
+from .elements import GeneralisedForce
 from .engine import MultiprecisionSettings
 from .friction import JointResistance, resisted
-from .loads import GeneralisedForce, generalised_force
+from .loads import generalised_force
 from .rows import angles, solved
 from .start import start, stroke_ends
 

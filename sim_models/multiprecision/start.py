@@ -92,10 +92,11 @@ def turn_of_guide(linkage: LinkageEquations, slider: str, position: float) -> co
     return 0j
 
 
-def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
-    """Return the end of every press force's stroke, see `end_of_stroke`."""
+def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[str, float]:
+    """Return the end of every press force's stroke, by its place in the file, see `end_of_stroke`."""
     end = cache(partial(end_of_stroke, linkage, continuation, q))
-    return {load: end(load.body, closing_sign(linkage.scene, load)) for load in linkage.scene.presses.values()}
+    presses = linkage.scene.presses.items()
+    return {place: end(load.body, closing_sign(linkage.scene, load)) for place, load in presses}
 
 
 def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, body: str, closing: int) -> float:

@@ -99,7 +99,7 @@ class PinocchioSystem(System):
         return np.asarray(self.rows_of(bodies, 1) * self.units)
 
     def forces(
-        self, motion: Sequence[Samples], J: Samples, bodies: Mapping[str, MovingBody], ends: Samples
+        self, motion: Sequence[Samples], J: Samples, bodies: Mapping[str, MovingBody], ends: Mapping[str, float]
     ) -> dict[str, float]:
         """Return the force channels: of closed loops by their multipliers, of the tree's joints by the recursion.
 

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from scenes.channels import Role
 from scenes.model.constraints import blocks
 from scenes.model.motion import Samples
-from scenes.scene import Friction, GuideFriction, PinFriction
 
 from .constraints import LinkageConstraints, PoseArray, determinant_sign, solved, with_ground
+from .contacts import CONTACTS, Largest
 from .start import closed
 
 SMALLEST_STEP = 1e-7  # of the factor; what takes a smaller one jams
@@ -34,13 +34,13 @@ class RubbingJoints:
 
     def __init__(self, linkage: LinkageConstraints) -> None:
         scene = linkage.scene
-        self.laws, names, known = scene.friction, scene.channels.names(Role.force), scene.channels
-        self._guides = np.array([isinstance(one, GuideFriction) for one in self.laws])
-        joints = [
-            (known.guides if isinstance(one, GuideFriction) else known.pins)[one.joint(scene)] for one in self.laws
-        ]
-        self._forces = np.array([[names.index(name) for name in both] for both in joints])
-        self._levers = np.array([(1, 2 / one.length if isinstance(one, GuideFriction) else 1) for one in self.laws])
+        self.laws, names = scene.friction, scene.channels.names(Role.force)
+        self.contacts = contacts = [CONTACTS[type(one)] for one in self.laws]
+        self._guides = np.array([contact.sides for contact in contacts])
+        each = [*zip(contacts, self.laws, strict=True)]
+        self._forces = np.array([[names.index(name) for name in contact.carried(one, scene)] for contact, one in each])
+        self._levers = np.array([contact.levers(one) for contact, one in each])
+        self._radii = np.array([contact.radius(one) for contact, one in each])
 
     def pressed(self, forces: Samples, per_force: Samples) -> tuple[Samples, Samples]:
         """The joints' own forces, shape (n, k), N, and how they change with k others by which `forces` change."""
@@ -55,8 +55,7 @@ class RubbingJoints:
     def coefficients(self, factor: Samples) -> Samples:
         """What friction takes of the joints' own forces, m or 1, with factors, (n,), on all coefficients; (n, k)."""
         mu = np.multiply.outer(factor, [one.coefficient for one in self.laws])
-        radii = np.array([1.0 if isinstance(one, GuideFriction) else one.radius for one in self.laws])
-        return np.where(self._guides, mu, radii * mu / np.sqrt(1 + mu**2))
+        return np.where(self._guides, mu, self._radii * mu / np.sqrt(1 + mu**2))
 
 
 def with_friction(
@@ -79,7 +78,8 @@ def _solved(
     unit = np.stack([solved(J.swapaxes(1, 2), one.reshape(len(q), -1)).reshape(len(q), -1) for one in d], axis=2)
     rate = unit[:, -1] * of_drive[:, None]  # of the joint: what it does to the drive, by virtual work
     largest = _largest(linkage, q, solved(J, of_drive[:, None] * np.eye(J.shape[1])[-1]))
-    sense = np.stack([law.sense(own, largest[type(law)]) for law, own in zip(joints.laws, rate.T, strict=True)], axis=1)
+    each = zip(joints.laws, joints.contacts, rate.T, strict=True)
+    sense = np.stack([law.sense(own, contact.largest(largest)) for law, contact, own in each], axis=1)
     viscous = rate * np.array([law.viscous or 0.0 for law in joints.laws])
     free = free + np.einsum("nmk,nk->nm", unit, viscous)
     g, jams = _continued(joints, sense, unit, free)
@@ -96,22 +96,18 @@ def directions(linkage: LinkageConstraints, q: PoseArray) -> PoseArray:
     slid = linkage.slide_gradients(with_ground(q)).real
     d = np.zeros((len(q), len(scene.friction), len(index), 3))
     for number, one in enumerate(scene.friction):
-        if isinstance(one, GuideFriction):
-            d[:, number] = slid[:, [*linkage.slides].index(one.slider)]
-        else:
-            pin = one.pin(scene)
-            d[:, number, index[pin.second], 2], d[:, number, index[pin.first], 2] = 1, -1
+        CONTACTS[type(one)].direct(one, linkage, slid, d[:, number])
     return d[:, :, :-1]
 
 
-def _largest(linkage: LinkageConstraints, q: PoseArray, v: PoseArray) -> Mapping[type[Friction], Samples]:
-    """By kind of friction, the largest rate of all bodies and the largest speed of all points, shape (n,)."""
+def _largest(linkage: LinkageConstraints, q: PoseArray, v: PoseArray) -> Largest:
+    """The largest rate of all bodies and the largest speed of all points."""
     speeds = []
     for name, member in linkage.members.items():
         i = linkage.index[name]
         arms = np.array([*member.points.values()]) * np.exp(1j * q[:, i, 2:])
         speeds.append(np.abs(v[:, i, :1] + 1j * v[:, i, 1:2] + 1j * v[:, i, 2:] * arms).max(axis=1))
-    return {PinFriction: np.abs(v[..., 2]).max(axis=1), GuideFriction: np.max(speeds, axis=0)}
+    return Largest(np.abs(v[..., 2]).max(axis=1), np.max(speeds, axis=0))
 
 
 def _continued(

@@ -1,51 +1,32 @@
 """The forces of loads and springs on the bodies, in one pose at a step of the engine or in many at the read-out.
 
-A press force acts within its slider's closing stroke, whose end is found beforehand.
-
-A pose is the places z of the bodies' origins and the turns exp(i theta) of their frames, by number of the body: complex
-numbers, or arrays of them of shape (n,). Single numbers are plain Python's, which are much faster than numpy's.
+A press force acts within its slider's closing stroke, whose end is found beforehand. What each element does is in
+`elements`.
 """
 
 from cmath import exp
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from itertools import pairwise
 from math import ceil, pi, tau
-from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.elements.loads import TabledLoad
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Force, GuideForce, Moment, PressForce, Spring
+from scenes.scene import GROUND, Force, TorsionSpring
 
 from .bodies import pair
-from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes, with_ground
+from .constraints import LinkageConstraints, PoseArray, planes, with_ground
+from .elements import RULES, BodyForce, Instant, Situation
 from .masses import fictitious_masses
 from .space import Bodies
 from .start import SCENES, DrivePlace, begun, move, rates, start, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
 HALF_TURN = pi + 1e-9  # rad: an angle so little beyond half a turn is half a turn, but for rounding
-
-Planes: TypeAlias = Any  # one number or array for each body and the ground
-# A body or the ground, the force, N, and the moment about its origin, N m.
-BodyForce: TypeAlias = tuple[str, PlaneVector, Any]
-
-
-class Instant(NamedTuple):
-    """What forces depend on, at one instant or at n: numbers or arrays of shape (n,), of bodies by their number."""
-
-    time: Any  # s
-    position: Any  # of the drive, rad or m
-    z: Planes
-    turn: Planes
-    angle: Planes  # rad, over whole turns
-    velocity: Planes  # of the origins
-    omega: Planes
 
 
 def instants(linkage: LinkageConstraints, time: Samples, q: PoseArray, v: PoseArray) -> Instant:
@@ -58,64 +39,10 @@ def instants(linkage: LinkageConstraints, time: Samples, q: PoseArray, v: PoseAr
 
 def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np.bool_]]) -> Iterator[BodyForce]:
     """Yield every force and moment; of press forces, `active` has whether they act."""
-    presses, index = iter(active), linkage.index
-    z, turn = at.z, at.turn
-    for load in linkage.scene.loads:
-        i = index[load.body]
-        if isinstance(load, Moment):
-            yield load.body, 0j, _sized(linkage, load, load.moment, at)
-            continue
-        r = linkage.arm(load.body, load.at) * turn[i]
-        if isinstance(load, GuideForce):
-            slide = linkage.slides[load.body]
-            on = index[slide.on]
-            force = _sized(linkage, load, load.force, at) * complex(*slide.along) * turn[on]
-            yield slide.on, -force, _moment(z[i] + r - z[on], -force)
-        elif isinstance(load, PressForce):
-            force = next(presses) * complex(*load.force)
-        elif isinstance(load, Force):
-            force = complex(*load.force) * (turn[i] if load.frame == "body" else 1)
-        else:
-            force = _sized(linkage, load, None, at) * complex(*load.direction)
-            force = force * turn[i] if load.frame == "body" else force
-        yield load.body, force, _moment(r, force)
-    for spring in linkage.scene.springs:
-        yield from _of_spring(linkage, spring, at)
-    for number, twisted in enumerate(linkage.scene.torsion_springs):
-        first, second = index[twisted.first], index[twisted.second]
-        phi = at.angle[second] - at.angle[first] + whole_turns(linkage)[number]
-        moment = twisted.moment(phi, at.omega[second] - at.omega[first])
-        yield twisted.first, 0j, -moment
-        yield twisted.second, 0j, moment
-
-
-def _of_spring(linkage: LinkageConstraints, spring: Spring, at: Instant) -> Iterator[BodyForce]:
-    """Yield the pulls of a spring or damper on its two bodies."""
-    (first, p), (second, q) = spring.first, spring.second
-    i, j = linkage.index[first], linkage.index[second]
-    r, s = linkage.arm(first, p) * at.turn[i], linkage.arm(second, q) * at.turn[j]
-    d = at.z[j] + s - at.z[i] - r
-    # At zero length there is no direction: the result is not finite, unless the free length is zero.
-    relaxed = spring.length * d / np.abs(d) if spring.length else 0
-    pull = spring.stiffness * (d - relaxed)
-    if spring.damping is not None:
-        apart = at.velocity[j] + 1j * at.omega[j] * s - at.velocity[i] - 1j * at.omega[i] * r
-        pull = pull + spring.damping * (d.conjugate() * apart).real * d / np.abs(d) ** 2
-    yield first, pull, _moment(r, pull)
-    yield second, -pull, _moment(s, -pull)
-
-
-def _sized(linkage: LinkageConstraints, load: TabledLoad, constant: float | None, at: Instant) -> Any:
-    """The size of a load, N or N m, that is constant or by a table."""
-    if load.table is None:
-        return constant
-    if load.table.over == "displacement":
-        return load.table.at(linkage.displacement(load.body, at.z, at.turn))
-    return load.table.at(at.position if load.table.over == "drive" else at.time)
-
-
-def _moment(r: PlaneVector, force: PlaneVector) -> Any:
-    return (r.conjugate() * force).imag
+    scene = linkage.scene
+    now = Situation(linkage, at, dict(zip(scene.presses, active, strict=True)), whole_turns(linkage))
+    for place, element in scene.elements:
+        yield from RULES[type(element)](element, place, now)
 
 
 def applied(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np.bool_]]) -> PoseArray:
@@ -129,12 +56,16 @@ def applied(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[n
 
 
 @lru_cache(SCENES)
-def whole_turns(linkage: LinkageConstraints) -> list[float]:
+def whole_turns(linkage: LinkageConstraints) -> Mapping[str, float]:
     """What torsion springs' angles, at time zero within half a turn or the drive's, have beyond the pose's, rad."""
-    angle, index, springs = with_ground(start(linkage))[0, :, 2], linkage.index, linkage.scene.torsion_springs
-    phis = (float(angle[index[spring.second]] - angle[index[spring.first]]) for spring in springs)
-    turns = (ceil((phi - HALF_TURN) / tau) for phi in phis)
-    return [0.0 if own.drives(linkage.scene) else -tau * whole for own, whole in zip(springs, turns, strict=True)]
+    springs, index = linkage.scene.of_type(TorsionSpring), linkage.index
+    if not springs:
+        return {}
+    angle, turns = with_ground(start(linkage))[0, :, 2], dict[str, float]()
+    for place, spring in springs.items():
+        phi = float(angle[index[spring.second]] - angle[index[spring.first]])
+        turns[place] = 0.0 if spring.drives(linkage.scene) else -tau * ceil((phi - HALF_TURN) / tau)
+    return turns
 
 
 def active_presses(linkage: LinkageConstraints, at: Instant, ends: Sequence[float]) -> list[NDArray[np.bool_]]:
@@ -157,13 +88,10 @@ class AppliedForces:
     def __init__(self, linkage: LinkageConstraints, bodies: Bodies, stroke_ends: Sequence[float], dt: float) -> None:
         scene = linkage.scene
         self._linkage, self._stroke_ends, self._dt = linkage, stroke_ends, dt
-        involved = {load.body for load in scene.loads}
-        involved |= {scene.slides[name].on for name in involved & scene.slides.keys()}
-        involved |= {name for spring in scene.springs for name, _ in (spring.first, spring.second)}
-        involved |= {name for spring in scene.torsion_springs for name in (spring.first, spring.second)}
+        involved = frozenset().union(*(element.bodies(scene) for _, element in scene.elements))
         own = {name: body for name, body in bodies.items() if name in involved}
         moved = {name: body for name, body in own.items() if not linkage.moved[name].prescribed}
-        constant = all(element.kind == "forces" for _, element in scene.elements)
+        constant = all(type(element) is Force for _, element in scene.elements)
         self._constant = [(body, *_constant(linkage, name, body)) for name, body in moved.items() if constant]
         self._varying = {} if constant else moved
         self._involved = [] if constant else [(linkage.index[name], body) for name, body in own.items()]
@@ -201,7 +129,7 @@ class AppliedForces:
 
 def _constant(linkage: LinkageConstraints, name: str, body: pymunk.Body) -> tuple[tuple[float, float], complex]:
     """Sum up a body's constant forces f, and their conj(arm) f, which is zero for a body that cannot turn."""
-    loads = [load for load in linkage.scene.loads if isinstance(load, Force) and load.body == name]
+    loads = [load for load in linkage.scene.of_type(Force).values() if load.body == name]
     force = sum((complex(*load.force) for load in loads), 0j)
     moment = sum((linkage.arm(name, load.at).conjugate() * complex(*load.force) for load in loads), 0j)
     return pair(force), 0j if body.moment == np.inf else moment

@@ -6,10 +6,10 @@ from math import pi, tau
 from typing import Any
 
 from compare.judge.causes.cause import Kind
-from compare.judge.causes.scene_numbers import load_place
+from scenes.elements.loads import TurningForce
 from scenes.elements.tables import COLUMN
 from scenes.fields import put
-from scenes.scene import Force, GuideForce, Load, Moment, TableForce
+from scenes.scene import GuideForce, Load, Moment, TableForce
 
 from .fault import Clean, Fault
 
@@ -22,10 +22,10 @@ def elements(clean: Clean) -> Iterator[Fault]:
 
     def of_load(kind: str, by: float, number: int, *instead: Any) -> Fault:
         spoilt = replace(scene, loads=(*scene.loads[:number], *instead, *scene.loads[number + 1 :]))
-        return Fault("load", kind, by, Kind.load, load_place(scene.loads[number]), scene=spoilt)
+        return Fault("load", kind, by, Kind.load, scene.loads[number].spot, scene=spoilt)
 
     for number, load in enumerate(scene.loads):
-        if isinstance(load, TableForce | Moment) or load.kind == GuideForce.kind:
+        if isinstance(load, TableForce | Moment) or type(load) is GuideForce:
             what = f"a {load.kind.removesuffix('s')}"
             yield of_load(f"{what} missing", 1, number)
             for by in SIZES:
@@ -51,13 +51,13 @@ def _others(clean: Clean, load: Any) -> Iterator[tuple[str, float, Load]]:
         for owner in [name for name in clean.scene.turning if name not in (load.body, clean.scene.drive.body)][:1]:
             yield "a moment on another body", 1, replace(load, body=owner, at=bodies[owner].points[0])
     if isinstance(load, TableForce):
-        yield "a force in the other frame", 1, replace(load, frame="body" if load.frame == "ground" else "ground")
+        yield "a force in the other frame", 1, load.turned
         x, y = load.direction
         for angle in (pi / 2, 0.1):
             yield "a force of another direction", angle, replace(load, along=(x - angle * y, y + angle * x))
     if isinstance(load, GuideForce) and load.force is not None and (slide := bodies[load.body].slide):
         force = load.force * slide.along[0], load.force * slide.along[1]
-        yield "a guide's force without reaction", 1, Force(load.body, load.at, force, "body")
+        yield "a guide's force without reaction", 1, TurningForce(load.body, load.at, force)
     if (table := load.table) is not None:
         column, width = COLUMN[table.over], table.arguments[-1] - table.arguments[0]
         for by in (0.1, 0.01):

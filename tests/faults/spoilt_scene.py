@@ -12,6 +12,7 @@ from compare.judge.causes.cause import Kind
 from compare.mechanics.bodies import distances, inertia
 from compare.mechanics.mechanics import inputs
 from scenes import Scene
+from scenes.elements.loads import ForceTable, TurningForce
 from scenes.fields import put, walk
 from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, GuideForce, PressForce
 
@@ -186,8 +187,8 @@ def loads(clean: Clean) -> Iterator[Fault]:
         return Fault("load", kind, magnitude, Kind.load, place, scene=spoilt)
 
     for number, load in enumerate(scene.loads):
-        kind = {Force: "a force", PressForce: "a press force", GuideForce: "a table"}.get(type(load))
-        if kind is None or load.kind == GuideForce.kind:
+        kinds = {Force: "a force", TurningForce: "a force", PressForce: "a press force", ForceTable: "a table"}
+        if (kind := kinds.get(type(load))) is None:
             continue
         yield fault(f"{kind} missing", 1, load.at, number)
         for by in (-2.0, 1.0, *SIZES):

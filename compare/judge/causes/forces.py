@@ -15,20 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
+from scenes.elements.element import Element
 from scenes.elements.friction import Friction, GuideFriction, PinFriction
-from scenes.elements.loads import Force, Load, Moment, TableForce
-from scenes.elements.springs import TorsionSpring
+from scenes.elements.loads import Load
 from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples, force_channels, friction_channels
 from scenes.scene import GROUND
 
 from ...mechanics import friction
 from ...mechanics.bodies import weights
+from ...mechanics.contacts import CONTACTS
 from ...mechanics.elements import Push, generalised, of_element, weight
 from ...mechanics.motion_vectors import MotionVectors
 from .cause import Cause, Kind, stem
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
-from .scene_numbers import load_name, load_place
+from .scene_numbers import kind_of
 
 ROUNDS = 8  # of friction by the joints' forces: what each leaves over is some thousandths of that before
 ROWS_LATE = (0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0)
@@ -68,13 +69,12 @@ class Carried(MotionVectors):
         return dict(zip(force_channels(self.scene), changed.T, strict=True))
 
     def instead(
-        self, of: Load | TorsionSpring, text: str, *pushes: Push, by: Sequence[float] = (), names: Sequence[str] = ()
+        self, of: Element, text: str, *pushes: Push, by: Sequence[float] = (), names: Sequence[str] = ()
     ) -> Hypothesis:
         """Return other pushes in place of those of a load or a spring."""
         own = (Push(push.body, -push.force, push.at, -push.moment) for push in of_element(self, of))
         predicted = self.evidence.changed((1.0,), [self.change(*own, *pushes)])
-        kind, place = Kind.spring if isinstance(of, TorsionSpring) else Kind.load, load_place(of)
-        return Hypothesis(Cause(kind, place, text, tuple(by), tuple(names)), predicted, len(by))
+        return Hypothesis(Cause(kind_of(of), of.spot, text, tuple(by), tuple(names)), predicted, len(by))
 
     @property
     def resisting(self) -> list[Push]:
@@ -95,7 +95,7 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
             if load.table is not None:
                 rows = {f"loads.{number}.table.{row}.1": f for row, f in enumerate(load.table.values[::-1])}
                 other = carried.scene.with_numbers(rows).loads[number]
-                yield carried.instead(load, f"the table of {load_name(load)} is backwards", *of_element(carried, other))
+                yield carried.instead(load, f"the table of {load.named} is backwards", *of_element(carried, other))
         for spring in carried.scene.torsion_springs:
             text = "the torsion spring {place} acts on {one} alone"
             pushes = [*of_element(carried, spring)]
@@ -110,13 +110,11 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
     """Yield a load at another point, on another body, or turning with its body."""
     scene, body = carried.scene, load.body
-    if isinstance(load, Force | TableForce):
-        turns = load.frame == "ground"
-        turning = of_element(carried, replace(load, frame="body" if turns else "ground"))
-        text = f"the load at {{place}} {'turns' if turns else 'does not turn'} with {{one}}"
-        yield carried.instead(load, text, *turning, names=(body,))
+    if (turned := load.turned) is not None:
+        text = f"the load at {{place}} {'turns' if load.frame == 'ground' else 'does not turn'} with {{one}}"
+        yield carried.instead(load, text, *of_element(carried, turned), names=(body,))
     (_, force, at, moment, *_), *reaction = sorted(of_element(carried, load), key=lambda push: push.body != body)
-    if isinstance(load, Moment):
+    if load.is_moment:
         for owner in scene.turning:
             push = Push(owner, force, at, moment)
             yield carried.instead(load, "the moment on {place} acts on {one}", push, names=(owner,))
@@ -137,7 +135,7 @@ def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield loads that are late: each as it was where the drive was a few samples before."""
     carried, time = _carried(evidence, evidence.true), evidence.motion["time"]
     step = float(np.ptp(time)) / (len(time) - 1)
-    moving = [load for load in carried.scene.loads if evidence.of_forces and not isinstance(load, Force)]
+    moving = [load for load in carried.scene.loads if evidence.of_forces and not load.steady]
     for by in (way * rows * step for rows in ROWS_LATE * bool(moving) for way in (1, -1)):
         if late := evidence.late(by):
             before = _carried(evidence, Motion(late))
@@ -215,7 +213,7 @@ def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, Iterat
     joints: list[Friction] = [GuideFriction(slider=name, length=np.inf, coefficient=1.0) for name in scene.slides]
     joints += [PinFriction(at=pin.point, body=pin.second, radius=1.0, coefficient=1.0) for pin in scene.pins]
     for one in joints:
-        channel, joint = one.channel(scene), "the pin {place}" if isinstance(one, PinFriction) else "{place}'s guide"
+        channel, joint = one.channel(scene), CONTACTS[type(one)].joint
         unit = replace(carried, motion=Motion({**samples, channel: resisting}))
         cause = Cause(Kind.friction, stem(channel), f"{joint} has friction ({{one}}, {{number}})")
         yield cause, friction.rate(carried, one), friction.load(scene, one, forces), of_element(unit, one)
@@ -225,12 +223,13 @@ def _elsewhere(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield friction of a pin that acts at another one, besides what that has; it may be shown as the first one's."""
     scene = evidence.scene
     by_channel = {one.channel(scene): one for one in scene.friction}
-    pins = [(c, one) for c, one in by_channel.items() if isinstance(one, PinFriction) and one.arm]
-    for (own, one), pin in product(pins, scene.pins):
+    pins = {one.channel(scene): one for one in scene.of_type(PinFriction).values()}
+    rubbing = [(c, one) for c, one in pins.items() if one.arm]
+    for (own, one), pin in product(rubbing, scene.pins):
         there = replace(one, at=pin.point, body=pin.second)
         other = there.channel(scene)
-        standing = by_channel.get(other)
-        if isinstance(standing, PinFriction):
+        standing = pins.get(other)
+        if standing:
             there = replace(there, radius=there.radius * (1 + standing.arm / one.arm))
         every = {c: each for c, each in by_channel.items() if c != own} | {other: there}
         if other != own and (solved := evidence.solved(replace(scene, friction=tuple(every.values())))):

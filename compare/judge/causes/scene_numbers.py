@@ -8,13 +8,14 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
-from scenes.elements.friction import GuideFriction
-from scenes.elements.loads import Force, Load, Moment, TableForce
-from scenes.elements.springs import Spring, TorsionSpring
+from scenes.elements.element import Element
+from scenes.elements.loads import Force, TableForce, TurningForce
+from scenes.elements.springs import Damper, Spring, TorsionSpring
 from scenes.model.motion import Samples
 from scenes.scene import DrawnBody
 
 from ...mechanics.bodies import first_point, weights
+from ...mechanics.contacts import CONTACTS
 from ...mechanics.reference import Reference
 from .cause import Cause, Kind, stem
 
@@ -41,6 +42,9 @@ class Numbers(NamedTuple):
         """Return the cause that numbers are, off by so much of each direction; not finite where they cannot be."""
         none = self.cause.kind in (Kind.mass, Kind.inertia) and x[0] < NONE
         return replace(self.cause, amounts=(np.nan,) if none else tuple(np.ravel(self.amounts(x)).tolist()))
+
+
+_linear = partial(Numbers, linear=True)
 
 
 def standing_alone(scene: Scene) -> Scene:
@@ -106,36 +110,67 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
 
 
 def _of_forces(scene: Scene) -> Iterator[Numbers]:
-    """Yield loads and springs; the moments of one that twists are linear in its angle too."""
-    linear = partial(Numbers, linear=True)
-    for number, load in enumerate(scene.loads):
-        at, place, what = f"loads.{number}", load_place(load), load_name(load)
-        own = [one for one in scene.numbers.values() if one.at[:2] == ("loads", number)]
+    """Yield what is wrong of loads and springs: the forces and moments of each, its table, and what its type has."""
+    for place, element in scene.elements:
+        what = element.named
+        own = (one for one in scene.numbers.values() if one.path.startswith(f"{place}."))
         size = {one.path: one.value for one in own if one.quantity.dimension in ("force", "moment")}
-        yield linear(Cause(Kind.load, place, f"{what} is {{percent}}"), (size,))
-        if load.table is not None:
-            shifted = Cause(Kind.load, place, f"the table of {what} is shifted by {SHIFTS[load.table.over]}")
-            yield Numbers(shifted, ({f"{at}.table.{row}.0": 1.0 for row in range(len(load.table.values))},))
-        if isinstance(load, TableForce):
-            turned = _turned(f"{at}.along", complex(*load.along))[1:]
-            yield Numbers(Cause(Kind.load, place, f"{what} is turned by {{angle}}"), turned)
-        if isinstance(load, Force):
-            force = complex(*load.force)
-            vector = Cause(Kind.load, place, f"{what} is {{force}} at {{way}}")
-            yield linear(vector, _turned(f"{at}.force", force), partial(_turned_vector, force, force))
-    for at, spring in scene.elements:
-        if isinstance(spring, TorsionSpring):
-            place, what = spring.at, "the torsion spring {place}"
-            unloaded = "angle", 1.0, f"{what}'s angle is {{angle}} off"
-        elif isinstance(spring, Spring):
-            place, what = f"{spring.first[1]}-{spring.second[1]}", "the spring {place}"
-            unloaded = "length", spring.length, f"{what}'s length is {{percent}}"
-        else:
-            continue
-        damping = "damping", spring.damping, f"the damping of {what} is {{percent}}"
-        for of, value, text in (("stiffness", spring.stiffness, f"{what}{{stiffness}}"), unloaded, damping):
-            if value is not None:
-                yield linear(Cause(Kind.spring, place, text), ({f"{at}.{of}": value},))
+        if size:
+            yield _linear(_cause(element, f"{what} is {{percent}}"), (size,))
+        if element.table is not None:
+            shifted = f"the table of {what} is shifted by {SHIFTS[element.table.over]}"
+            rows = {f"{place}.table.{row}.0": 1.0 for row in range(len(element.table.values))}
+            yield Numbers(_cause(element, shifted), (rows,))
+        if more := TYPES.get(type(element)):
+            yield from more(place, element)
+
+
+def _cause(element: Element, text: str) -> Cause:
+    return Cause(kind_of(element), element.spot, text)
+
+
+def _of_force(place: str, load: Force) -> Iterator[Numbers]:
+    force = complex(*load.force)
+    vector = _cause(load, f"{load.named} is {{force}} at {{way}}")
+    yield _linear(vector, _turned(f"{place}.force", force), partial(_turned_vector, force, force))
+
+
+def _of_table_force(place: str, load: TableForce) -> Iterator[Numbers]:
+    turned = _turned(f"{place}.along", complex(*load.along))[1:]
+    yield Numbers(_cause(load, f"{load.named} is turned by {{angle}}"), turned)
+
+
+def _of_spring(place: str, spring: Spring) -> Iterator[Numbers]:
+    unloaded = "length", spring.length, f"{spring.named}'s length is {{percent}}"
+    yield from _of_stiffness(place, spring, unloaded)
+
+
+def _of_torsion_spring(place: str, spring: TorsionSpring) -> Iterator[Numbers]:
+    """Yield its numbers: its moments are linear in its angle too."""
+    yield from _of_stiffness(place, spring, ("angle", 1.0, f"{spring.named}'s angle is {{angle}} off"))
+
+
+def _of_stiffness(place: str, spring: Spring | TorsionSpring, unloaded: tuple[str, float, str]) -> Iterator[Numbers]:
+    stiffness = "stiffness", spring.stiffness, f"{spring.named}{{stiffness}}"
+    damping = "damping", spring.damping, f"the damping of {spring.named} is {{percent}}"
+    for of, value, text in (stiffness, unloaded, damping):
+        if value is not None:
+            yield _linear(_cause(spring, text), ({f"{place}.{of}": value},))
+
+
+TYPES: Mapping[type[Element], Callable[[str, Any], Iterator[Numbers]]] = {
+    Force: _of_force,
+    TurningForce: _of_force,
+    TableForce: _of_table_force,
+    Spring: _of_spring,
+    Damper: _of_spring,
+    TorsionSpring: _of_torsion_spring,
+}
+
+
+def kind_of(element: Element) -> Kind:
+    """The kind of a cause in an element: a spring has two ends."""
+    return Kind.spring if len(element.ends) > 1 else Kind.load
 
 
 def _of_friction(scene: Scene) -> Iterator[Numbers]:
@@ -143,30 +178,18 @@ def _of_friction(scene: Scene) -> Iterator[Numbers]:
     every: dict[str, float] = {}
     for number, one in enumerate(scene.friction):
         at, place = f"friction.{number}", stem(one.channel(scene))
-        # A pin's is linear in the radius, and the coefficient cannot be told from that.
-        linear = "coefficient" if isinstance(one, GuideFriction) else "radius"
-        coulomb = {f"{at}.{linear}": getattr(one, linear)}
+        contact = CONTACTS[type(one)]
+        coulomb = {f"{at}.{contact.linear}": getattr(one, contact.linear)}
         viscous = {f"{at}.viscous": one.viscous} if one.viscous else {}
         ways = {"friction": coulomb | viscous}
         if viscous:
             ways |= {"Coulomb friction": coulomb, "viscous friction": viscous}
-        if isinstance(one, GuideFriction):
-            ways["length of contact"] = {f"{at}.length": one.length}
+        ways |= {what: {f"{at}.{of}": getattr(one, of)} for what, of in contact.others.items()}
         for what, way in ways.items():
             yield Numbers(Cause(Kind.friction, place, f"the {what} of {{place}} is {{percent}}"), (way,))
         every |= ways["friction"]
     if len(scene.friction) > 1:
         yield Numbers(Cause(Kind.friction, "all", "all friction is {percent}"), (every,))
-
-
-def load_place(load: Load | TorsionSpring) -> str:
-    """Return what a cause calls the place of a load: its point, or of a moment its body."""
-    return load.body if isinstance(load, Moment) else load.at
-
-
-def load_name(load: Load) -> str:
-    """Return what a cause calls a load at its place."""
-    return "the moment on {place}" if isinstance(load, Moment) else "the load at {place}"
 
 
 def _of_places(scene: Scene) -> Iterator[Numbers]:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples, quantity
-from scenes.scene import Load, PressForce, Slide, TableForce
 
 from ...mechanics.axis import cycle_name
 from ...mechanics.motion_vectors import quintic
@@ -204,20 +203,10 @@ def _closing(scene: Scene) -> int:
     assert guided is not None
     name, slide = guided
     for load in (load for load in scene.loads if load.body == name):
-        if isinstance(load, PressForce):
-            return load.closing
-        push = _push(load, slide)
+        push = load.largest_along(slide)
         if push != 0:
             return -1 if push > 0 else 1
     return -1 if slide.along[1] >= 0 else 1
-
-
-def _push(load: Load, slide: Slide) -> Any:
-    """The largest force of a load along a guide on the ground, N."""
-    largest = max(load.table.values, key=abs) if load.table is not None else getattr(load, "force", 0.0)
-    if isinstance(load, TableForce):
-        return np.dot(load.direction, slide.along) * largest
-    return largest if np.ndim(largest) == 0 else np.dot(largest, slide.along)
 
 
 def at(values: NDArray[Any], row: RowNumbers) -> NDArray[Any]:

@@ -10,17 +10,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from fnmatch import fnmatch
 from functools import cached_property
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from scenes import Scene
 from scenes.bodies import LINE, Body
+from scenes.elements import LISTS
 from scenes.file.changes import at_path
 from scenes.limits import NAME
 from scenes.model.motion import TRANSMISSION, UNITS, force_at, magnitudes, quantity
-from scenes.scene import ConstantSpeed, Spring, TorsionSpring
+from scenes.scene import ConstantSpeed, TorsionSpring
 
 from ...engines import registry
 from ...judge.proof import channels_of
@@ -93,9 +94,9 @@ class Bench:
             if body.local is not None and tables["bodies"][name].pop("lengths", None):
                 points = {point: [float(f"{q / metre:.12g}") for q in place] for point, place in body.local.items()}
                 tables["bodies"][name]["points"] = points
-        for kind, rest in (("springs", "length"), ("torsion_springs", "angle")):
-            for spring in tables.get(kind, ()):
-                spring.setdefault(rest, 0)  # of a damper, which may get a stiffness
+        for key, of in LISTS.items():
+            for table, zero in product(tables.get(key, ()), of.zeros):
+                table.setdefault(zero, 0)  # as of a damper, which may get a stiffness
         return tables
 
     def _peak(self, channel: str) -> float:
@@ -140,8 +141,8 @@ class Bench:
 
     def _wound(self) -> Iterator[tuple[str, Sequence[str]]]:
         """Yield the torsion springs whose angles the page follows over whole turns, with those of both bodies."""
-        for place, spring in self.scene.elements:
-            if isinstance(spring, TorsionSpring) and place in self.program["given"]:
+        for place, spring in self.scene.of_type(TorsionSpring).items():
+            if place in self.program["given"]:
                 yield place, [f"{spring.second}.angle", f"{spring.first}.angle"]
 
     def _law(self) -> Mapping[str, Any] | None:
@@ -189,8 +190,8 @@ class Bench:
     def editable(self) -> Iterator[Mapping[str, Any]]:
         """Yield the numbers that a reader may change: their places among all, paths, and units of the file."""
         ends = set[str]()  # of periodic tables, whose values are the same
-        for place, load in self.scene.elements:
-            if (table := getattr(load, "table", None)) is not None and table.periodic:
+        for place, element in self.scene.elements:
+            if (table := element.table) is not None and table.periodic:
                 ends |= {f"{place}.table.{row}.1" for row in (0, len(table.values) - 1)}
         for path, k in self._places.items():
             number = self.scene.numbers.get(path)
@@ -222,9 +223,9 @@ def _sums(scene: Scene) -> Iterator[tuple[str, Signs]]:
             sides = [_length(body, *pair) for pair in combinations((*bases, point), 2) if len(bases) == 2]
             text = f"the triangle of {', '.join((*bases, point))} cannot close"
             yield from ((text, {one: -1 if one == longest else 1 for one in sides}) for longest in sides)
-    for place, one in scene.elements:
-        if isinstance(one, Spring | TorsionSpring) and one.damping is None:
-            yield f"{place} has neither stiffness nor damping", {f"{place}.stiffness": 1}
+    for place, element in scene.elements:
+        for name, lack in element.least_above_zero.items():
+            yield f"{place} {lack}", {f"{place}.{name}": 1}
         rows = [path for path in scene.numbers if fnmatch(path, f"{place}.table.*.0")]
         yield from ((f"the rows of {place}.table are out of order", {a: -1, b: 1}) for a, b in pairwise(rows))
 

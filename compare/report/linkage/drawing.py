@@ -7,7 +7,7 @@ from math import floor, log10
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.scene import Body, Moment, PinFriction
+from scenes.scene import Body, PinFriction
 
 from ...mechanics.elements import force
 from ...mechanics.motion_vectors import MotionVectors, Vectors
@@ -67,7 +67,7 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     state = state.pressed(state.stroke_ends())
     for body in scene.bodies.values():
         for number, load in enumerate(scene.loads):
-            if load.body != body.name or isinstance(load, Moment):
+            if load.body != body.name or load.is_moment:
                 continue
             components = f"loads.{number} x", f"loads.{number} y"
             yield Arrow(f"load on {body.name}", load.at, force(state, load), components, load=True)
@@ -91,7 +91,7 @@ class Drawing:
         self.box = complex(shown.real.min(), shown.imag.min()), complex(shown.real.max(), shown.imag.max())
         across, margin = self.box[1] - self.box[0], WIDER if self.arrows else MARGIN
         self.per_metre = (SIZE - 2 * margin) / max(across.real, across.imag)
-        arms = {one: one.arm for one in scene.friction if isinstance(one, PinFriction) and self.arrows}
+        arms = {one: one.arm for one in scene.of_type(PinFriction).values() if self.arrows}
         self.circles = [(one.at, self.per_metre * arm) for one, arm in arms.items()]  # of friction: the pin, the radius
         largest = max((radius for _, radius in self.circles), default=0.0)
         self.larger = next((n for n in LARGER if n * largest >= CIRCLE), LARGER[-1]) if largest else 1

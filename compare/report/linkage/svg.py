@@ -4,16 +4,19 @@ Each sign is drawn once in the frame of its body; what is not to scale, as a pin
 scales along its x alone, as a guide, is so across (class `across`).
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from itertools import pairwise
 from math import atan2, degrees
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 from zlib import crc32
 
 import numpy as np
 
+from scenes.elements.element import Element as Acting
+from scenes.elements.springs import Damper, PointPair, Spring, TorsionSpring
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body, Moment, Slide
 
@@ -163,27 +166,42 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
 
 
 def springs(root: Element, drawing: Drawing) -> Iterator[Mover]:
-    """Draw every spring as a zigzag, as long as one unit and stretched between its ends, a damper as a pot."""
-    for spring in drawing.scene.springs:
-        (_, first), (_, second) = spring.first, spring.second
+    """Draw what acts between two points, as long as one unit and stretched between its ends."""
+    for pair in drawing.scene.of_type(PointPair).values():
+        (_, first), (_, second) = pair.ends
         group = SubElement(root, "g", {"data-point": first, "data-to": second})
-        teeth = "".join(f"L{0.2 + 0.05 * n:g} {-7 * (-1) ** n}" for n in range(1, 12))
-        pot = "M0 0H.4M.65-7H.4V7H.65M.55-5V5M.55 0H1"
-        _path(group, "across spring", f"M0 0H.2{teeth}L.8 0H1" if spring.stiffness else pot)
+        _path(group, "across spring", BETWEEN.get(type(pair), _line)(pair))
         start, end = (drawing.units(drawing.places[point]) for point in (first, second))
         yield Mover(group, start, np.degrees(np.unwrap(np.angle(end - start))), np.maximum(np.abs(end - start), 1e-6))
 
 
+def _zigzag(spring: Spring) -> str:
+    """A zigzag, or a pot for a damper alone."""
+    teeth = "".join(f"L{0.2 + 0.05 * n:g} {-7 * (-1) ** n}" for n in range(1, 12))
+    return f"M0 0H.2{teeth}L.8 0H1" if spring.stiffness else "M0 0H.4M.65-7H.4V7H.65M.55-5V5M.55 0H1"
+
+
+def _line(_: PointPair) -> str:
+    return "M0 0H1"
+
+
+# By type, the path of what acts between two points, from 0 to 1 along x; a line of those that are not here.
+BETWEEN: Mapping[type[PointPair], Callable[[Any], str]] = {Spring: _zigzag, Damper: _zigzag}
+# By type, the class and the path of what turns about a point: a spiral, and an arrow around.
+TURNING: Mapping[type[Acting], tuple[str, str]] = {
+    TorsionSpring: ("", "M5 0A6 6 0 0 1-7 0A8 8 0 0 1 9 0A10 10 0 0 1-11 0A12 12 0 0 1 13 0H20"),
+    Moment: ("force load", "M15 9A17 17 0 1 0-8 15m7-5l-7 5 8 3"),
+}
+
+
 def turning(root: Element, drawing: Drawing) -> Iterator[Mover]:
-    """Draw every spring that twists as a spiral about its pin, every moment as an arrow around where it is drawn."""
-    spiral = "M5 0A6 6 0 0 1-7 0A8 8 0 0 1 9 0A10 10 0 0 1-11 0A12 12 0 0 1 13 0H20"
-    arrow = "M15 9A17 17 0 1 0-8 15m7-5l-7 5 8 3"
-    springs = ((spring.at, "", spiral) for spring in drawing.scene.torsion_springs)
-    moments = ((load.at, "force load", arrow) for load in drawing.scene.loads if isinstance(load, Moment))
-    for point, kind, path in (*springs, *moments):
-        group = SubElement(root, "g", {"class": kind, "data-point": point})
-        _path(group, "sign", path)
-        yield Mover(group, drawing.units(drawing.places[point]))
+    """Draw what turns about a point, there."""
+    for kind, (style, path) in TURNING.items():
+        for element in drawing.scene.of_type(kind).values():
+            ((_, point), *_) = element.ends
+            group = SubElement(root, "g", {"class": style, "data-point": point})
+            _path(group, "sign", path)
+            yield Mover(group, drawing.units(drawing.places[point]))
 
 
 def points(root: Element, drawing: Drawing) -> Iterator[Mover]:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
+from scenes.elements.springs import PointPair
 from scenes.model.engine import equal_steps
 
 from .. import channels
@@ -68,12 +69,12 @@ class ExudynSimulation:
 
     def read(self) -> Motion:
         """The channels, unless a spring has no direction at an instant, which Exudyn takes for no force."""
-        for spring in self.scene.springs:
-            (_, p), (_, q) = spring.first, spring.second
+        for pair in self.scene.of_type(PointPair).values():
+            (_, p), (_, q) = pair.ends
             length = np.abs(channels.place(self.system, q, self._q) - channels.place(self.system, p, self._q))
-            if spring.needs_direction and not length.min() > SPRING_LIMIT * self.system.size:
+            if pair.needs_direction and not length.min() > SPRING_LIMIT * self.system.size:
                 where = self.scene.where(self.positions[np.argmin(length)])
-                reason = f"a spring has no direction at {where}: {p} and {q} meet"
+                reason = f"a {pair.noun} has no direction at {where}: {p} and {q} meet"
                 raise Failure(Status.nonfinite, reason, self._motion)
         self._check_branch()
         if self._jam is not None:

@@ -11,10 +11,11 @@ import pymunk
 from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Friction, GuideFriction
+from scenes.scene import GROUND, Friction
 
 from ..bodies import pair
 from ..constraints import LinkageConstraints, PoseArray
+from ..contacts import CONTACTS
 from ..friction import directions
 from ..space import Bodies
 from .stepping import FIRST_SWEEPS, Integration
@@ -52,15 +53,8 @@ def forces_with_motors(
 
 def _motor(linkage: LinkageConstraints, friction: Friction, bodies: Bodies) -> pymunk.Constraint | None:
     """What resists the joint's motion, and corrects no position; None between bodies that forces do not move."""
-    places: list[tuple[float, float]] = []
-    if isinstance(friction, GuideFriction):
-        slide, first = linkage.slides[friction.slider], linkage.first_arm(friction.slider)
-        middle, along = linkage.through(friction.slider), complex(*slide.along)
-        across = 2j * (len(bodies) * linkage.size) * along  # no body gets further
-        ends, places = (slide.on, friction.slider), [pair(middle - across), pair(middle + across), pair(first)]
-    else:
-        pin = friction.pin(linkage.scene)
-        ends = pin.first, pin.second
+    groove = CONTACTS[type(friction)].groove(friction, linkage, len(bodies) * linkage.size)  # no body gets further
+    ends, places = friction.joined(linkage.scene), [pair(place) for place in groove]
     one, other = (bodies[name] for name in ends)
     if pymunk.Body.DYNAMIC not in (one.body_type, other.body_type):
         return None

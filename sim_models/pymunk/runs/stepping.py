@@ -157,7 +157,7 @@ class TextbookRun:
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
         if scene.drive.on != GROUND:
             raise Failure(Status.unsupported, "the textbook set-up has a motor on the ground only")
-        if scene.kinds - {"forces"}:
+        if scene.kinds - {Force.kind}:
             raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
         if not scene.slides.keys().isdisjoint(scene.turning):
             raise Failure(Status.unsupported, "the textbook set-up has guides on the ground only")
@@ -173,7 +173,7 @@ class TextbookRun:
         self._model.space.iterations = settings.iterations
         bodies = self._model.bodies
         self._before, self._after = PropertyRecorder(bodies.values()), PropertyRecorder(bodies.values())
-        constant = [load for load in scene.loads if isinstance(load, Force)]
+        constant = scene.of_type(Force).values()
         self._loads = [(bodies[at.body], at.force, pair(linkage.arm(at.body, at.at))) for at in constant]
         self.positions = sampling.commanded(scene)
 

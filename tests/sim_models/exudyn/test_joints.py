@@ -112,7 +112,7 @@ def test_press_load_switches_where_the_scene_says(direction: int, begin: float) 
     assert isinstance(load, PressForce)
     assert load.closing == direction
     poses = PoseSolver(scene)
-    found = press_switches(poses, start(poses))[load]
+    (found,) = press_switches(poses, start(poses)).values()
     on = brentq(lambda a: np.cos(a) + np.sqrt(9 - np.sin(a) ** 2) - 4 + 1e-6, -0.01, 0, xtol=1e-15)
     dead, on = (-begin % (2 * np.pi)) / 2, ((on - begin) % (2 * np.pi)) / 2
     # s; displacements of 4 m are good to 4e-16, and at that instant change by 3e-3 m/s; half as steep a velocity

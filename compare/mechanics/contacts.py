@@ -1,0 +1,93 @@
+"""How joints with friction rub, as the judge has it: a rule for each type of friction."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from math import atan, sin
+from typing import Any
+
+import numpy as np
+
+from scenes import Scene
+from scenes.elements.friction import Friction, GuideFriction, PinFriction
+from scenes.model.motion import Samples
+
+from .motion_vectors import MotionVectors
+
+
+class Contact(ABC):
+    """What one type of friction is by; `one` is a friction of that type."""
+
+    turns: bool  # whether its parts turn on each other, else they slide
+    joint: str  # what sentences call the joint, with a gap for its place
+    linear: str  # the number in which it is linear, and from which its coefficient cannot be told
+    others: Mapping[str, str] = {}  # by what sentences call them, its other numbers
+
+    @abstractmethod
+    def rate(self, one: Any, state: MotionVectors) -> Samples:
+        """How fast the parts of the joint move on each other."""
+
+    @abstractmethod
+    def load(self, one: Any, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
+        """What the friction goes by, N, from channels of forces."""
+
+    @abstractmethod
+    def coefficient(self, one: Any) -> float:
+        """Friction by its load, m or 1."""
+
+    @abstractmethod
+    def share(self, one: Any, size: float) -> float:
+        """By how much a newton more in every joint of a linkage of a size, m, is more of the load."""
+
+
+class PinContact(Contact):
+    """A pin in its hole."""
+
+    turns = True
+    joint = "the pin {place}"
+    linear = "radius"
+
+    def rate(self, one: PinFriction, state: MotionVectors) -> Samples:
+        """The rate of the later body against the first, rad/s."""
+        first, second = one.joined(state.scene)
+        return state.turning(second)[1] - state.turning(first)[1]
+
+    def load(self, one: PinFriction, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
+        """The force of the pin."""
+        return np.asarray(np.hypot(*(forces[name] for name in scene.channels.pins[one.joint(scene)])))
+
+    def coefficient(self, one: PinFriction) -> float:
+        """The radius of the friction circle."""
+        return one.radius * sin(atan(one.coefficient))
+
+    def share(self, one: PinFriction, size: float) -> float:  # noqa: ARG002
+        """That newton."""
+        return 1.0
+
+
+class GuideContact(Contact):
+    """A slider in its guide, which touches at both ends of the contact."""
+
+    turns = False
+    joint = "{place}'s guide"
+    linear = "coefficient"
+    others = {"length of contact": "length"}  # noqa: RUF012
+
+    def rate(self, one: GuideFriction, state: MotionVectors) -> Samples:
+        """The rate of the slider along its guide, m/s."""
+        return state.sliding(state.scene.bodies[one.slider])
+
+    def load(self, one: GuideFriction, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
+        """What both ends of the contact carry."""
+        normal, couple = (forces[name] for name in scene.channels.guides[one.slider])
+        return np.asarray(np.abs(normal / 2 - couple / one.length) + np.abs(normal / 2 + couple / one.length))
+
+    def coefficient(self, one: GuideFriction) -> float:
+        """Its own."""
+        return one.coefficient
+
+    def share(self, one: GuideFriction, size: float) -> float:
+        """That newton, and what its couple has at both ends."""
+        return 1 + 2 * size / one.length
+
+
+CONTACTS: Mapping[type[Friction], Contact] = {PinFriction: PinContact(), GuideFriction: GuideContact()}

@@ -1,0 +1,47 @@
+"""How joints with friction rub, a rule for each type of friction: what presses on them, and what a unit of it does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from scenes.elements.friction import Friction, GuideFriction, PinFriction
+
+if TYPE_CHECKING:  # which kinds there are rules for is asked without python-flint too
+    from flint import arb, arb_mat
+
+    from .constraints import LinkageEquations
+    from .rows import EquationRows
+
+
+class Rubbing(NamedTuple):
+    """A joint with friction."""
+
+    joint: int  # its number among pins and then slides
+    work: EquationRows  # of a unit of friction
+    presses: Sequence[arb_mat]  # each times the joint's two multipliers is what presses its surfaces together, N
+    radius: arb | None  # at which it resists, m; None of a force
+
+
+def _pin(one: PinFriction, linkage: LinkageEquations) -> Rubbing:
+    from flint import arb, arb_mat
+
+    first, second = one.joined(linkage.scene)
+    work = linkage.rows(1)
+    linkage.add_angle(work, 0, second, first)
+    joint = linkage.scene.pins.index(one.pin(linkage.scene))
+    return Rubbing(joint, work, [arb_mat([[1, 0], [0, 1]])], arb(one.radius))
+
+
+def _guide(one: GuideFriction, linkage: LinkageEquations) -> Rubbing:
+    from flint import arb, arb_mat
+
+    joint = len(linkage.scene.pins) + list(linkage.scene.slides).index(one.slider)
+    ends = [arb_mat([[arb(0.5), end / arb(one.length)]]) for end in (1, -1)]
+    return Rubbing(joint, linkage.displacement(one.slider), ends, None)
+
+
+CONTACTS: Mapping[type[Friction], Callable[[Any, LinkageEquations], Rubbing]] = {
+    PinFriction: _pin,
+    GuideFriction: _guide,
+}

@@ -1,0 +1,116 @@
+"""How joints with friction rub, a rule for each type of friction: what presses, how they move, and what resists."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.elements.friction import Friction, GuideFriction, PinFriction
+from scenes.model.motion import Samples
+
+if TYPE_CHECKING:  # which kinds there are rules for is asked without pymunk too
+    from .constraints import LinkageConstraints, PoseArray
+
+
+class Largest(NamedTuple):
+    """Of the linkage, shape (n,)."""
+
+    turning: Samples  # rate of all bodies, rad/s
+    moving: Samples  # speed of all points, m/s
+
+
+class Contact(ABC):
+    """What one type of friction is by; `one` is a friction of that type."""
+
+    sides: bool  # whether its load is the larger of two parts; else their resultant
+
+    @abstractmethod
+    def carried(self, one: Any, scene: Scene) -> Sequence[str]:
+        """The two channels that have what the joint carries."""
+
+    @abstractmethod
+    def levers(self, one: Any) -> tuple[float, float]:
+        """What both parts of the load are times those channels."""
+
+    @abstractmethod
+    def radius(self, one: Any) -> float:
+        """What resists at a radius, m; 1 of a force."""
+
+    @abstractmethod
+    def largest(self, of: Largest) -> Samples:
+        """The largest of all rates of its kind."""
+
+    @abstractmethod
+    def direct(self, one: Any, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:
+        """Fill in what a unit of it does on all bodies and the ground, shape (n, bodies + 1, 3); `slid` by slider."""
+
+    @abstractmethod
+    def groove(self, one: Any, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:
+        """The line across a guide, by two places at a reach, m, and the point on it; none of a pin."""
+
+
+class PinContact(Contact):
+    """A pin in its hole."""
+
+    sides = False
+
+    def carried(self, one: PinFriction, scene: Scene) -> Sequence[str]:
+        """Both components of the force."""
+        return scene.channels.pins[one.joint(scene)]
+
+    def levers(self, one: PinFriction) -> tuple[float, float]:  # noqa: ARG002
+        """Those components."""
+        return 1, 1
+
+    def radius(self, one: PinFriction) -> float:
+        """Its own."""
+        return one.radius
+
+    def largest(self, of: Largest) -> Samples:
+        """That of all bodies."""
+        return of.turning
+
+    def direct(self, one: PinFriction, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:  # noqa: ARG002
+        """Turn both bodies."""
+        first, second = one.joined(linkage.scene)
+        d[:, linkage.index[second], 2], d[:, linkage.index[first], 2] = 1, -1
+
+    def groove(self, one: PinFriction, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:  # noqa: ARG002
+        """None."""
+        return ()
+
+
+class GuideContact(Contact):
+    """A slider in its guide, which touches at both ends of the contact."""
+
+    sides = True
+
+    def carried(self, one: GuideFriction, scene: Scene) -> Sequence[str]:
+        """The normal force and the moment."""
+        return scene.channels.guides[one.slider]
+
+    def levers(self, one: GuideFriction) -> tuple[float, float]:
+        """N and 2 M / length."""
+        return 1, 2 / one.length
+
+    def radius(self, one: GuideFriction) -> float:  # noqa: ARG002
+        """None."""
+        return 1.0
+
+    def largest(self, of: Largest) -> Samples:
+        """That of all points."""
+        return of.moving
+
+    def direct(self, one: GuideFriction, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:
+        """Push both bodies along the guide."""
+        d[:] = slid[:, [*linkage.slides].index(one.slider)]
+
+    def groove(self, one: GuideFriction, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:
+        """Across the guide through the slider's first point."""
+        middle, across = linkage.through(one.slider), 2j * reach * complex(*linkage.slides[one.slider].along)
+        return middle - across, middle + across, linkage.first_arm(one.slider)
+
+
+CONTACTS: Mapping[type[Friction], Contact] = {PinFriction: PinContact(), GuideFriction: GuideContact()}
