@@ -19,7 +19,6 @@ from tests import absolute_forces, scene_files
 from tests.absolute_coordinates import solve
 from tests.absolute_friction import SEVERAL, JammedError, resisted
 from tests.agreement import FORCES, errors, worst
-from tests.comparisons import sampled
 from tests.friction_scenes import everywhere
 
 SAMPLING = Sampling(8)
@@ -117,7 +116,7 @@ def several(scene: Scene, where: str) -> bool:
     return found == [True]
 
 
-@sampled(1)
+@pytest.mark.slow
 @each(*ENGINES)
 @by_scene
 def test_every_rung(held: Held, name: str) -> None:

@@ -31,6 +31,7 @@ def numbers(motion: Motion) -> list[bytes]:
     return [values.tobytes() for values in motion.samples.values()]
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", EVERY)
 def test_the_core_finds_the_same_numbers(name: str) -> None:
     scene = scene_files.load(name)

@@ -14,7 +14,7 @@ import compare as typed_compare
 import scenes as typed_scenes
 from scenes import Motion
 from tests import scene_files
-from tests.comparisons import SAMPLING, Plug, commanded
+from tests.comparisons import SAMPLING, Plug, commanded, sampled
 
 analytic: Any = typed_analytic  # so that they may be called with what they do not take
 compare: Any = typed_compare
@@ -74,6 +74,7 @@ def test_a_name_is_no_scene(name: str) -> None:
     assert line == "scene: expected a Scene, as scenes.load(...) returns it, found 'toggle_press'"
 
 
+@sampled(5)
 @pytest.mark.parametrize("name", WITH_POSITIONS)
 def test_masked_arrays_and_what_is_no_number(name: str) -> None:
     call = WITH_POSITIONS[name]

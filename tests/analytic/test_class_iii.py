@@ -70,6 +70,7 @@ def test_between_dyads_in_any_order(order: Sequence[int]) -> None:
         assert error.max() <= 1e-12, channel  # a few dozen roundings, all groups well clear of lock
 
 
+@SLOW
 def test_strides_lead_where_single_steps_do(class_iii: Scene, solve: Solver, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(continuation, "_filled", lambda *_: None)
     assert_close(solve(TURN).samples, analytic.solve(class_iii, TURN).samples, 1e-12)  # roundings, well clear of lock
@@ -127,6 +128,7 @@ def test_newton_does_not_jump_over_a_lock() -> None:
         assert np.abs(motion[channel] - expected[channel]).max() <= 1e-12, channel  # roundings; locks are 4 deg away
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("start", "status", "why"),
     [
@@ -162,6 +164,7 @@ def test_a_linkage_that_needs_two_turns_is_refused(class_iii: Scene, monkeypatch
     assert caught.value.status is Status.unsupported
 
 
+@sampled(2)
 @pytest.mark.parametrize(("start", "end"), [(40, 80), (-110, 230), (90, 61), (780, 800), (-200, -170), (60, 390)])
 def test_on_part_of_a_turn_the_angle_does_tell(
     class_iii: Scene, solve: Solver, start: int, end: int, monkeypatch: pytest.MonkeyPatch

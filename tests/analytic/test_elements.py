@@ -21,7 +21,7 @@ from tests import scene_files
 from tests.agreement import exact
 from tests.closed_forms.elements import ON_CARRIED
 from tests.closed_forms.row import CARRIED
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 from .newton import as_one_group, assert_close
 
@@ -96,6 +96,7 @@ def test_samples_come_in_any_order() -> None:
     assert_close(motion.samples, {name: expected[name][shuffled] for name in channels(scene)}, CLOSE)
 
 
+@sampled(2)
 @pytest.mark.parametrize("settings", WORK_PRECISION)
 def test_against_50_digits(settings: AnalyticSettings) -> None:
     """Every setting within what a rounding or a difference leaves of it."""

@@ -11,6 +11,7 @@ import scenes
 from compare.mechanics.reference import uncertified
 from scenes import Failure, Scene
 from tests import scene_files
+from tests.comparisons import sampled
 
 # A crank of 40 mm, 120 mm from the feet of two dyads that are in line where its end is 60 + 50 and 35 + 60 mm away.
 LATER, FIRST = (degrees(acos((40**2 + 120**2 - (a + b) ** 2) / (2 * 40 * 120))) for a, b in ((60, 50), (35, 60)))
@@ -73,6 +74,7 @@ def windows(count: int, folder: Path, length: float = 1.0) -> Scene:
     return scenes.load(file)
 
 
+@sampled(2)
 @pytest.mark.parametrize(("count", "length"), [(1, 1.0), (2, 1.0), (3, 1.0), (4, 0.7), (2, 0.3)])
 def test_a_folded_rhombus_is_in_line_all_the_way_and_stops_nothing(count: int, length: float, tmp_path: Path) -> None:
     """Beyond 0 the first window may fold onto the ground: then all others are in line wherever the drive is."""

@@ -16,7 +16,7 @@ from scenes import Sampling, Scene
 from scenes.model.motion import channels, force_channels
 from tests import absolute_coordinates, scene_files
 from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, solve
-from tests.comparisons import all_checks
+from tests.comparisons import SLOW, all_checks
 from tests.linkage_scenes import by_formula, linkages
 
 from .newton import as_one_group
@@ -92,6 +92,7 @@ def test_against_50_digits(scene: Scene) -> None:
     assert_agree(scene, motion, {channel: true[channel] for channel in channels(scene)})
 
 
+@SLOW
 @seldom
 @given(by_formula())
 def test_drives_by_formula_against_50_digits(scene: Scene) -> None:

@@ -14,6 +14,7 @@ from compare.mechanics.bodies import weights
 from scenes import Motion, Scene
 from scenes.model.motion import Samples, channels
 from tests import scene_files
+from tests.comparisons import sampled
 
 ROD_ON_THE_GROUND = {  # the cylinder is the bucket's, the rod the ground's
     "bodies.rod.points": {"A": [10, 20]},
@@ -56,6 +57,7 @@ def by_newton(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> Motion:
     return motion
 
 
+@sampled(2)
 @pytest.mark.parametrize(("name", "changes"), CASES)
 def test_closed_forms_and_the_groups_equations(
     name: str, changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch
@@ -71,6 +73,7 @@ def test_closed_forms_and_the_groups_equations(
         assert not (np.abs(one[channel] - other[channel]) > 1e-11 * size).any(), channel
 
 
+@sampled(2)
 @pytest.mark.parametrize(("name", "changes"), [*CASES, ("lift", {})])
 def test_the_drive_pays_for_the_energy(name: str, changes: dict[str, Any]) -> None:
     """What the drive's effort is by its displacement is the change of kinetic and potential energy."""
@@ -116,6 +119,7 @@ def test_a_cylinder_without_mass_lifts_a_weight() -> None:
     assert not (np.abs(motion["A.fx"] + 1j * motion["A.fy"] - pushed) > 1e-12 * np.abs(by_hand).max()).any()
 
 
+@sampled(2)
 @pytest.mark.parametrize(("name", "changes"), [*CASES, ("lift", {})])
 def test_the_recorded_line_is_the_formulas(name: str, changes: dict[str, Any]) -> None:
     scene = scene_files.load(name, changes)

@@ -11,6 +11,7 @@ from scenes import Sampling, Scene
 from scenes.model.motion import channels
 from tests import scene_files
 from tests.agreement import errors, worst
+from tests.comparisons import sampled
 
 SCENES = ("shaper", "driven_toggle", "carried_block", "turning_law")
 
@@ -26,6 +27,7 @@ def off(name: str, settings: AnalyticSettings) -> dict[str, float]:
     return worst(errors(motions[0], {channel: motions[1][channel] for channel in channels(scene)}))
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_the_other_ways(name: str) -> None:
     half_angles = max(off(name, AnalyticSettings("half angles", half_angles=True)).values())

@@ -105,6 +105,7 @@ def turn(scene: scenes.Scene) -> tuple[Any, Any]:
     return scene.drive.law.at(time).position, time
 
 
+@SLOW
 def test_the_peaks_of_a_press_by_a_law_are_between_the_samples(press: "tuple[scenes.Scene, Page]") -> None:
     """The torque is largest where the force ends, up to a sample of 14 ms after the last one that has it."""
     scene, page = press

@@ -9,7 +9,7 @@ import pytest
 from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.elements import ALL_KINDS, PLAIN_KINDS
 from scenes.model.motion import channels
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 from .drives import DRIVES
 from .elements import ELEMENTS
@@ -44,6 +44,7 @@ def check(held: Held, row: Row, scene: Scene) -> None:
         assert not np.abs(apart).max() > tolerance * size, (force, np.abs(apart).max() / size)
 
 
+@sampled(80)
 @every(held for held in ENGINES if held.knows_all)
 @pytest.mark.parametrize("name", ROWS)
 def test_channels_are_those_of_the_formulas(held: Held, name: str) -> None:

@@ -9,6 +9,7 @@ from compare.cli.arguments import sampling
 from compare.run import main
 from scenes import Scene
 from tests import scene_files
+from tests.comparisons import sampled
 
 
 def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
@@ -20,6 +21,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     return err
 
 
+@sampled(22)
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [

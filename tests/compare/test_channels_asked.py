@@ -111,6 +111,7 @@ def motion_of(reference: Reference, *patterns: str) -> Motion:
     return Motion({c: motion[c] for c in Sampling(channels=matching(scene, patterns)).wanted(scene)})
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("patterns", "made"),
     [

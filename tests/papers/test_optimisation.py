@@ -169,6 +169,7 @@ def test_no_design_is_no_optimum() -> None:
     assert improved([Point(MAIN, "", impossible, optimum)])
 
 
+@SLOW
 def test_the_dynamic_models_confirm_a_design(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its open pose is far from that of the shipped scene."""
     monkeypatch.setattr("compare.judge.floor.FLOOR_SAMPLES", 12)

@@ -14,6 +14,7 @@ import scenes
 from scenes.file import units
 from scenes.limits import FILE_BYTES
 from tests import scene_files
+from tests.comparisons import sampled
 
 TOGGLE_PRESS = scene_files.text("toggle_press")
 AT_ONCE = 2.0  # s of the processor; the slowest here takes 0.2 s
@@ -145,6 +146,7 @@ NO_UNITS = [
 ]
 
 
+@sampled(9)
 @pytest.mark.parametrize("unit", NO_UNITS, ids=short)
 def test_no_units_of_length(unit: str) -> None:
     line = scene_files.refused(lambda: scenes.load("toggle_press", {"units.length": unit}), 699)

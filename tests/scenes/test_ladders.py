@@ -102,6 +102,7 @@ def test_the_distance_to_the_lock_is_the_label(name: str) -> None:
 GROWTH = dict.fromkeys(PLAIN_LOCKS, (0.5, 1.0)) | {"dead_centre_driven": (1.5, 2.0)}
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", GROWTH)
 def test_peaks_grow_as_the_ladder_says(name: str) -> None:
     """Over the last decade but for terms of the next order, the square root of 1e-8."""

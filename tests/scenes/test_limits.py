@@ -12,6 +12,7 @@ import pytest
 import scenes
 from scenes import InputError, limits
 from tests import scene_files
+from tests.comparisons import sampled
 
 SCENES = str(Path(scenes.__file__).parent)
 Tables = dict[str, Any]
@@ -100,6 +101,7 @@ def load(tables: Tables, folder: Path) -> scenes.Scene:
     return scenes.load(file)
 
 
+@sampled(4)
 @pytest.mark.parametrize(("place", "most", "tables"), LIMITS)
 def test_a_limit(place: str, most: int, tables: Callable[[int], Tables], tmp_path: Path) -> None:
     load(tables(most), tmp_path)
@@ -137,6 +139,7 @@ def steps(tables: Tables, folder: Path) -> int:
     return count
 
 
+@sampled(1)
 @pytest.mark.parametrize("tables", [bodies, lambda count: points(10 * count)], ids=["bodies", "points"])
 def test_work_grows_with_the_size(tables: Callable[[int], Tables], tmp_path: Path) -> None:
     """Seven and a half times as many, and no more than seven times the work; a loop within a loop takes more.

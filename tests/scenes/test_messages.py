@@ -10,6 +10,7 @@ import scenes
 from scenes.file.format import SceneFile
 from scenes.file.unknown import BEYOND, OTHER_WORDS, PAGE, tables
 from tests import scene_files
+from tests.comparisons import sampled
 
 ROOT = Path(__file__).parents[2]
 # By scene, a line a mistake: what is replaced => by what :: and, with | between them, what the one line must have.
@@ -83,6 +84,7 @@ points = { P5 = [0, 0] } => points = { P6 = [0, 0] }
 ROWS = [(name, row) for name, text in MISTAKES.items() for row in re.sub("\n    +", " ", text).strip().split("\n")]
 
 
+@sampled(19)
 @pytest.mark.parametrize(("name", "row"), ROWS)
 def test_a_mistake_is_named_with_what_would_be_right(name: str, row: str, tmp_path: Path) -> None:
     change, _, expected = row.partition(" :: ")
@@ -121,6 +123,7 @@ def test_what_is_beyond_the_models_names_the_page(key: str, tmp_path: Path) -> N
         assert f"see {PAGE}" in refused("four_bar", at, new, tmp_path)
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", ["watt_six_bar", "scissor_lift", "walking_leg", "quick_return", "elements", "triad"])
 def test_a_pin_that_a_body_names_otherwise_is_found(name: str, tmp_path: Path) -> None:
     scene, pins = scene_files.load(name), 0

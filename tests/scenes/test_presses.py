@@ -10,6 +10,7 @@ import scenes
 from scenes import Scene
 from scenes.scene import PressForce
 from tests.agreement import solve as moving
+from tests.comparisons import sampled
 
 from .test_library import turned
 
@@ -84,6 +85,7 @@ def test_servo_press_goes_down_fast_and_presses_slowly() -> None:
     assert upper["P5.vy"][0] > 0 > upper["P5.vy"][1]
 
 
+@sampled(1)
 @pytest.mark.parametrize("press", PRESSES.values(), ids=PRESSES)
 def test_a_force_in_the_last_part_of_the_stroke_acts_there_and_nowhere_else(press: Press) -> None:
     """What the slider's own balance leaves when its inertia and its pin are taken away."""

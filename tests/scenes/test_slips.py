@@ -8,6 +8,7 @@ import pytest
 import scenes
 from scenes import hard
 from tests import scene_files
+from tests.comparisons import sampled
 
 # By scene, a line a slip: what is replaced => by what :: and, with | between them, what the one line must have.
 SLIPS = {
@@ -267,6 +268,7 @@ LADDERS = {"ladders/rod"}
 ROWS = [(name, row) for name, text in SLIPS.items() for row in re.sub("\n    +", " ", text).strip().split("\n")]
 
 
+@sampled(72)
 @pytest.mark.parametrize(("name", "row"), ROWS)
 def test_a_slip_is_one_line(name: str, row: str, tmp_path: Path) -> None:
     change, _, expected = row.partition(" :: ")

@@ -6,8 +6,10 @@ import pytest
 from compare.engines.runner import run
 from scenes import Sampling, load
 from scenes.model import constraints
+from tests.comparisons import sampled
 
 
+@sampled(1)
 @pytest.mark.parametrize("engine", ["exudyn", "pymunk"])
 def test_blocks_change_nothing(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
     at_once = run(engine, load("toggle_press"), Sampling(50)).motion

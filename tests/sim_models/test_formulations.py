@@ -16,7 +16,7 @@ from scenes import Failure, Positions, Sampling, Status, hard
 from scenes.model import engine as clock
 from tests import scene_files
 from tests.agreement import TOLERANCE, kind
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 from .formulations import ALL, SAMPLING, off, run
 
@@ -127,6 +127,7 @@ ENDINGS: dict[str, tuple[str, scene_files.Changes, Status, str]] = {
 }
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     "ending", [pytest.param(e, marks=() if e in ("locks", "redundant") else SLOW) for e in ENDINGS]
 )
@@ -181,6 +182,7 @@ def test_steps_that_leave_the_branch_are_noticed(engine: Any) -> None:
     assert raised.value.status in (Status.wrong_branch, Status.diverged)
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["exudyn", "pymunk", *(pytest.param(n, marks=SLOW) for n in ENGINES)])
 def test_nothing_is_imported_before_it_is_needed_and_all_before_a_clock_runs(name: str) -> None:
     pytest.importorskip(name)

@@ -73,6 +73,7 @@ def test_no_value_of_the_core_escapes_from_any_scene(name: str) -> None:
 
 
 # Friction is known in narrow boxes only, for which a fifth of the widths drawn is too wide.
+@sampled(1)
 @pytest.mark.parametrize(
     ("name", "least"), [("toggle_press", 1.0), ("toggle_press_friction", 0.6), ("class_iii", 0.99)]
 )

@@ -20,6 +20,7 @@ from scenes.model.motion import UNITS, Positions, Samples, quantity
 from tests import scene_files
 from tests.agreement import exact
 from tests.clean_scenes import clean_scenes
+from tests.comparisons import sampled
 
 from .true_values import ALL_ZERO, BY_50_DIGITS, BY_DOUBLES, motion_at, peaks, turn, with_magnitudes
 
@@ -81,6 +82,7 @@ def assert_near(name: str, accuracy: float = 1e-6) -> None:
             assert values.min() - least.high <= 0.01 * span, channel
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", FEW)
 def test_what_is_shipped_is_enclosed(name: str) -> None:
     assert_holds(name)
@@ -263,6 +265,7 @@ def off_by(scene: Scene) -> dict[str, float]:
     return {path: abs(other.numbers[path].value - scene.numbers[path].value) for path, other in others.items()}
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["toggle_press", "double_toggle_clamp"])
 def test_all_machines_within_tolerances(name: str) -> None:
     scene = scenes.load(name)

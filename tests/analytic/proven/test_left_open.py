@@ -41,6 +41,7 @@ def lifted(foot: float, start: float, end: float) -> Scene:
     return loaded(tables, NAMES, NAMES)
 
 
+@sampled(2)
 @pytest.mark.parametrize(("foot", "start", "end"), [(1.5, 1.5, 2.3), (1.2, 0.4, 0.9), (1.5, 0.8, 1.7), (1.1, 0.3, 2.0)])
 def test_a_length_that_passes_twice_half_or_once_the_bar_s(foot: float, start: float, end: float) -> None:
     """By the law of cosines E is at x = (1 + foot^2 - length^2) / (2 foot) with its foot's origin at O."""

@@ -98,6 +98,7 @@ def test_what_is_left_out_is_an_escape(what: str, monkeypatch: pytest.MonkeyPatc
     assert [rule for rule in rules if not escaped(rule)] == []
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", CONSTANTS)
 def test_no_constant_is_for_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     value, rule = CONSTANTS[name]

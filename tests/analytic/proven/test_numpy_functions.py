@@ -10,6 +10,7 @@ from flint import arb, ctx
 
 from analytic.recorded.arithmetics.taylor_models import FUNCTION
 from scenes.model.motion import Samples
+from tests.comparisons import SLOW
 
 LAST_PLACES = 4  # units, of a value: half of what FUNCTION allows for
 
@@ -47,6 +48,7 @@ def assert_close_to_the_last_place(seed: int, count: int) -> None:
         assert units_off(values, true, *of) <= LAST_PLACES
 
 
+@SLOW
 def test_functions_of_numpy_are_off_by_less_than_their_bound() -> None:
     assert_close_to_the_last_place(0, 60_000)
 

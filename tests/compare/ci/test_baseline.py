@@ -17,7 +17,7 @@ from compare.report.plain import json_text
 from compare.run import main
 from scenes import InputError, Sampling
 from tests import scene_files
-from tests.comparisons import studied
+from tests.comparisons import sampled, studied
 
 Json = dict[str, Any]
 Changes = dict[str, Callable[[Json], object]]
@@ -126,6 +126,7 @@ NOTHING: Changes = {
 }
 
 
+@sampled(9)
 @pytest.mark.parametrize("text", [*WORSE, *OTHER])
 def test_what_changed(text: str, before: Json) -> None:
     (change,) = since(before, (WORSE | OTHER)[text])

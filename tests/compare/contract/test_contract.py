@@ -67,6 +67,7 @@ def held(name: str, folder: Path, *options: str) -> Reports:
     return reports
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("name", "options"),
     [

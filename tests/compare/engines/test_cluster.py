@@ -23,7 +23,7 @@ from compare.measure.many.going_on import going_on, kept_members
 from compare.measure.many.grid import grid, variation
 from compare.run import main
 from scenes import InputError, Sampling, Status, load
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 from tests.deaths import DEATHS, children, do, within
 
 if TYPE_CHECKING:
@@ -134,6 +134,7 @@ def answer(server: socket.socket, reply: bytes, peers: list[socket.socket]) -> N
                 peer.close()
 
 
+@sampled(2)
 @pytest.mark.parametrize("what", [*REPLIES, "nobody"])
 def test_what_is_no_scheduler_is_named_in_time(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A peer that says nothing, a web server, one that says anything, and a port where nobody listens."""

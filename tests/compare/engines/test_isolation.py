@@ -16,6 +16,7 @@ from compare.engines.processes.inside import Ended, Limits, _by_parent, descenda
 from compare.engines.processes.isolation import isolated
 from compare.engines.processes.stopping import Stopped, kept
 from scenes import Status
+from tests.comparisons import sampled
 from tests.deaths import ASLEEP, DEATHS, MEMORY, TWELVE, alive, begun, children, do, within
 
 ROOT = Path(__file__).parents[3]
@@ -60,6 +61,7 @@ def sleeping() -> int:
     return sum(each.info["cmdline"] == ["sleep", str(SECONDS)] for each in psutil.process_iter(["cmdline"]))
 
 
+@sampled(2)
 @pytest.mark.parametrize("how", ["an answer", "abort", "asleep", "its group"])
 def test_what_an_engine_began_ends_with_it(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also what is in another session, or nobody's child any more."""

@@ -60,6 +60,7 @@ def test_a_death_is_a_row_and_the_other_engines_and_scenes_go_on(
     assert capfd.readouterr() == ("", "")
 
 
+@sampled(1)
 @pytest.mark.parametrize(("death", "begun"), [("memory", 1), ("abort", 3), ("recursion", 1)])
 def test_what_was_ended_at_a_limit_is_not_asked_again(death: str, begun: int, scene: Scene) -> None:
     """What crashed is, a few times; an exception leaves the process as it was."""

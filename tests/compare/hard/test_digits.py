@@ -15,7 +15,7 @@ from scenes import Failure, Positions, Scene, Status, hard
 from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed
 from tests import scene_files
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 pytest.importorskip("flint")
 
@@ -43,6 +43,7 @@ def to_lock(reference: Reference, position: float) -> float:
     return min(float(samples[0]) for channel, samples in there.samples.items() if quantity(channel) == "to_lock")
 
 
+@sampled(1)
 @pytest.mark.parametrize(("name", "label"), [*CASES, *(pytest.param(*case, marks=SLOW) for case in LATER)])
 def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str) -> None:
     reference = uncertified(rung(name, label))
@@ -58,6 +59,7 @@ def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str
         assert abs(log10(condition) + 0.5 * powers[group] * log10(float(label))) <= 1.3, group
 
 
+@sampled(1)
 @pytest.mark.parametrize(("name", "formula"), [("lock_rrr", "rrr_reach"), ("lock_rrp", "slide_reach")])
 def test_a_worse_formula_is_seen(monkeypatch: pytest.MonkeyPatch, name: str, formula: str) -> None:
     """Three digits less than a formula may lose there, where the condition is ten."""
@@ -114,6 +116,7 @@ def test_every_input_is_off_by_a_step() -> None:
     assert tips == [(1 + STEP, 0), (1, STEP)]
 
 
+@SLOW
 def test_a_switch_of_a_press_force_has_no_condition() -> None:
     """The start is the dead point, where the force comes or goes with the last digit."""
     ladder = hard.ladder("dead_point_press")

@@ -19,6 +19,7 @@ from compare.report.figures.hard import FAILED, LETTERS, stability_maps
 from compare.report.figures.offline import offline
 from scenes import Scene, Status
 from tests import scene_files
+from tests.comparisons import SLOW
 
 
 @pytest.fixture(scope="module")
@@ -105,6 +106,7 @@ def test_drift_is_of_the_last_turn(press: Scene) -> None:
     assert not [*stability.over_turns(once, "pymunk", quiet, HERE)]
 
 
+@SLOW
 @few((72, 216), SWEEPS=(64,), TURNS=(1,))
 def test_all_maps_of_the_engines_that_have_any(press: Scene) -> None:
     assert [name for name in ("pymunk", "analytic") if registry.engine(name).at_steps] == ["pymunk"]

@@ -18,7 +18,7 @@ from compare.report.tables.first_screen import answers, of_ok
 from compare.study import Study
 from scenes import Failure, Motion, Status
 from scenes.model.motion import quantity
-from tests.comparisons import SAMPLING, Outcome, Plug, changed, commanded
+from tests.comparisons import SAMPLING, Outcome, Plug, changed, commanded, sampled
 
 Judge = Callable[..., Judgement]
 
@@ -75,6 +75,7 @@ def test_one_that_is_wrong_is_named_with_channel_size_and_cause(judge: Judge, re
     assert re.search(r"\. exudyn agrees with the closed form to \d+ digits in every channel\.$", verdict.sentence)
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["infeed", "e", "nano"])
 def test_a_cause_is_there_whatever_its_body_is_called(judge: Judge, reference: Reference, name: str) -> None:
     judged = judge(changed(commanded(reference), "P3.fx", 0.3 * reference.scale["P3.fx"]))
@@ -91,6 +92,7 @@ def test_a_missed_tolerance_is_a_disagreement(judge: Judge, reference: Reference
     assert verdict.sentence.startswith("stub misses its reaction tolerance: off by 0.2 % in P3.fx")
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("status", "why"),
     [

@@ -57,6 +57,7 @@ ALONE = {"four_bar": ["T.x", "crank.omega", "crank.alpha"], "toggle_press": ["sl
 ALONE["crank_press"] = ["B.x", "rod.angle"]
 
 
+@sampled(2)
 @pytest.mark.parametrize(("scene", "channel"), [(scene, channel) for scene, of in ALONE.items() for channel in of])
 def test_a_component_alone_is_broken_if_it_moves(scene: str, channel: str, references: References) -> None:
     found = judged(references(scene), ("analytic", "pymunk"), Sampling(36, channels=frozenset({channel})))

@@ -50,6 +50,7 @@ NOTICED = [  # a mechanism, a channel, by how much it is moved, the check and bo
 ]
 
 
+@sampled(11)
 @pytest.mark.parametrize(("name", "channel", "by", "check", "of"), NOTICED)
 def test_a_check_notices(references: References, name: str, channel: str, by: float, check: str, of: str) -> None:
     reference = references(name)

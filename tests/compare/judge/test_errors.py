@@ -26,6 +26,7 @@ from tests.comparisons import (
     of_scene,
     row_of,
     rows_of,
+    sampled,
     size_of,
     vector_of,
 )
@@ -33,6 +34,7 @@ from tests.comparisons import (
 # --- errors -----------------------------------------------------------------------------------------------------------
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", ["toggle_press", "shaper", "driven_toggle", "swinging_law"])
 def test_an_error_in_any_channel_of_any_drive_is_found(references: References, name: str) -> None:
     reference = references(name)
@@ -201,6 +203,7 @@ def worst(reference: Reference, motion: Motion) -> tuple[float, float]:
     return worst_of(errors).max, max(c.worst for c in checks(reference.mechanics, motion, reference.travel))
 
 
+@sampled(1)
 @pytest.mark.parametrize("acting", [True, False])
 def test_on_a_switch_either_side_is_right(pressing: Reference, acting: bool) -> None:
     assert max(worst(pressing, standing(pressing, LOWER_DEAD_POINT, acting=acting))) <= 1e-12
@@ -229,6 +232,7 @@ def test_a_lagging_drive_does_not_decide_the_side(pressing: Reference) -> None:
     assert max(compare(pressing, SAMPLING, motion).actual[c].max() for c in ("A.fy", "B.fy")) <= 1e-12
 
 
+@sampled(1)
 @pytest.mark.parametrize("acting", [True, False])
 def test_the_floor_is_certified_across_a_switch(
     pressing: Reference, monkeypatch: pytest.MonkeyPatch, acting: bool

@@ -62,6 +62,7 @@ def test_each_guard_alone(reference: Reference, motion: Motion, guard: str, chan
     assert verdict(reference, motion).status is Status.ok
 
 
+@sampled(4)
 @pytest.mark.parametrize("share", [0.9, 1.1])
 @pytest.mark.parametrize("guard", BROKEN)
 def test_a_promise_alone(reference: Reference, motion: Motion, guard: str, share: float) -> None:
@@ -85,6 +86,7 @@ def test_every_guard_is_tested() -> None:
     assert promised == {*BROKEN, "force"}
 
 
+@sampled(4)
 @pytest.mark.parametrize("channel", NOT_A_NUMBER)
 def test_what_is_not_a_number_passes_no_guard(reference: Reference, motion: Motion, channel: str) -> None:
     wrong = changed(motion, channel, np.nan)

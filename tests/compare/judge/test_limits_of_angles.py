@@ -10,6 +10,7 @@ from compare.judge.proof import held, met, whole_turns
 from scenes import Motion, Sampling
 from scenes.scene import LimitTable
 from tests import scene_files
+from tests.comparisons import sampled
 
 # The slider-crank's rod, 3 m, seen from its far end: it swings about 180 degrees by asin(1/3), 19.4712 degrees.
 SWING = degrees(np.arcsin(1 / 3))
@@ -28,6 +29,7 @@ def test_an_angle_goes_on_over_the_half_turn(start: float, middle: float) -> Non
     assert (degrees(least.low), degrees(most.high)) == pytest.approx((middle - SWING, middle + SWING), abs=off)
 
 
+@sampled(12)
 @pytest.mark.parametrize("start", [0, 90, 180, 270])
 @pytest.mark.parametrize(
     ("limit", "expected"),

@@ -16,6 +16,7 @@ from compare.mechanics.reference import uncertified
 from scenes import Sampling
 from tests import scene_files
 from tests.analytic.views import Change
+from tests.comparisons import sampled
 from tests.scene_files import NONE, Changes
 
 DWELL = "dwell within 1 % of the stroke"
@@ -210,6 +211,7 @@ def test_the_shaper_of_the_textbook() -> None:
     assert backwards["quick return"].value == pytest.approx(0.5, rel=1e-6)
 
 
+@sampled(3)
 @pytest.mark.parametrize(
     ("load", "along", "below"),
     [
@@ -272,6 +274,7 @@ def test_a_point_has_a_stroke_and_no_ends() -> None:
     assert q["stroke"].value == pytest.approx(longest, rel=1e-5)
 
 
+@sampled(1)
 @pytest.mark.parametrize("turn", [0.3, 1.0, 2.2])
 def test_the_stroke_of_a_point_is_the_same_in_any_frame(turn: float) -> None:
     scene, own = scene_files.load("four_bar"), numbers("four_bar")["stroke"].value

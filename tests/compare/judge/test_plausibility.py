@@ -10,6 +10,7 @@ from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference
 from scenes.model.motion import channels
 from tests import scene_files
+from tests.comparisons import sampled
 
 PIN = {"at": "B", "radius": 10, "coefficient": 0.1}
 PUSHES = {"body": "coupler", "at": "T", "along": [1, 0], "over": "drive"}
@@ -63,6 +64,7 @@ def sentences(name: str, changes: scene_files.Changes = scene_files.NONE) -> lis
     return [*implausible(Reference(Mechanics(scene), solve, 0.0, {}, {}, Floor({}, "")))]
 
 
+@sampled(4)
 @pytest.mark.parametrize("case", UNLIKELY)
 def test_an_unlikely_number_is_one_sentence(case: str) -> None:
     changes, expected = UNLIKELY[case]
@@ -75,6 +77,7 @@ def test_a_likely_number_is_none(case: str) -> None:
     assert not sentences("four_bar", LIKELY[case])
 
 
+@sampled(8)
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_of_shipped_scenes_the_engine_is_driven_by_its_gas(name: str) -> None:
     """Its indicator diagram gives work, which is what an engine is for; nothing else is unlikely in any."""

@@ -25,6 +25,7 @@ def unscaled(scene: Scene) -> Reference:
     return Reference(Mechanics(scene), registry.reference(scene), 0.0, {}, {}, Floor({}, ""))
 
 
+@sampled(8)
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_shipped_sketches_are_near(name: str) -> None:
     reference = unscaled(scenes.load(name))
@@ -110,6 +111,7 @@ def test_a_sketch_that_engines_read_in_several_ways_is_refused(
     assert not [word for word in words if word not in line], line
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("name", "changes", "noted"),
     [
@@ -156,6 +158,7 @@ def test_a_refused_sketch_has_a_page_and_no_core_to_suspect(tmp_path: Path, caps
     assert verdict["word"] == "not_solved"
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -121,6 +121,7 @@ def test_what_is_wrong_in_a_read_out_is_named(references: References, fault: str
     assert (named.kind, named.place) == (kind, place), words(reference.scene, named)
 
 
+@sampled(1)
 @pytest.mark.parametrize("even", [True, False])
 def test_a_lag_is_counted_in_samples_where_their_steps_are_equal(references: References, even: bool) -> None:
     reference = references("toggle_press")
@@ -168,6 +169,7 @@ def test_a_right_motion_has_no_cause(references: References, name: str) -> None:
     assert cause(reference, SAMPLING, commanded(reference)) == UNKNOWN
 
 
+@sampled(1)
 @pytest.mark.parametrize(("engine", "tier"), [("pymunk", "fast"), ("exudyn", "fast")])
 def test_coarse_steps_are_nobodys_fault(references: References, engine: str, tier: str) -> None:
     """What discretisation is off by is no wrong mass, length or sign."""

@@ -63,6 +63,7 @@ def test_instants_that_drift(reference: Reference) -> None:
     assert words(reference.scene, best.cause) == "all instants are too far apart, +0.05 %"
 
 
+@sampled(1)
 @pytest.mark.parametrize("only", ["", "drive.torque"])
 def test_forces_at_rest(reference: Reference, only: str) -> None:
     """Those of a static solution, beside the right motion."""

@@ -13,7 +13,7 @@ from sim_models.exudyn.settings import LOOSE, TimeStepping
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk.settings import PymunkSettings, TextbookSettings
 from tests import scene_files
-from tests.comparisons import SAMPLING, estimated
+from tests.comparisons import SAMPLING, SLOW, estimated, sampled
 
 
 def measured(scene: Scene, engine: str, settings: Settings, sampling: Sampling = SAMPLING) -> Measurement:
@@ -38,6 +38,7 @@ WRONG = [  # a scene, its settings, the channel that is furthest off, and by how
 ]
 
 
+@sampled(2)
 @pytest.mark.parametrize(("name", "engine", "settings", "channel", "by"), WRONG)
 def test_a_wrong_run_is_refused(name: str, engine: str, settings: Settings, channel: str, by: float) -> None:
     wrong = measured(scenes.load(name), engine, settings)
@@ -54,6 +55,7 @@ def test_too_few_sweeps_never_pass(reference: Reference, sweeps: int) -> None:
     assert wrong.run.status in {Status.wrong_branch, Status.diverged, Status.inconsistent, Status.nonfinite}
 
 
+@SLOW
 def test_undamped_oscillation_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Trapezoidal steps do not damp: begun nearly singular, they oscillate, 130 times as high as all else."""
     monkeypatch.setattr(exudyn_stepping, "SINGULAR_SPEED", np.inf)
@@ -63,6 +65,7 @@ def test_undamped_oscillation_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 # The rod is longer than |P4.x| ever gets, 248.99658795 mm near 212.05 deg, by one part in a million or in ten thousand.
+@sampled(2)
 @pytest.mark.parametrize(
     ("settings", "status"),
     [

@@ -91,6 +91,7 @@ def test_swapped_masses_where_a_moment_of_inertia_is_given(references: Reference
     assert words(reference.scene, named) == "the masses of coupler and crank are swapped"
 
 
+@sampled(1)
 @pytest.mark.parametrize("only", ["", "drive.torque"])
 def test_several_numbers_that_are_off_at_once(references: References, only: str) -> None:
     """Bars that are no lines but 100 mm wide, and another gravity; at 8 digits, as another program writes its own."""
@@ -139,6 +140,7 @@ def test_a_load_that_is_switched_late_is_named(references: References) -> None:
     assert named.amounts == pytest.approx((2 * 1.5 / 72,))
 
 
+@sampled(1)
 @pytest.mark.parametrize(("changed", "said"), [(("force.*", 0.5), "50 % too small"), (("last", 4.0), "last 2.23 mm")])
 def test_a_press_force_that_acts_next_to_its_end_alone(changed: tuple[str, float], said: str) -> None:
     """Of the motion only samples beside its switches are off, where elsewhere the side of the switch is a rounding."""

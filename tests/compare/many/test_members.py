@@ -19,7 +19,7 @@ from compare.report.tables import family as family_tables
 from compare.study import judged
 from scenes import InputError, Sampling
 from tests import scene_files
-from tests.comparisons import sampled
+from tests.comparisons import SLOW, sampled
 
 from .runs import CRANK_SLIDER, ROCKER, one, run
 
@@ -112,6 +112,7 @@ def two() -> Family:
     return pair("analytic", "pymunk")
 
 
+@SLOW
 def test_a_member_keeps_no_samples_but_its_curves() -> None:
     """Two hundred fit into 300 MB, of which the process has 110 without any; pickled they take what they do in memory.
 

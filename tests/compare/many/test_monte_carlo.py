@@ -163,6 +163,7 @@ def test_of_a_larger_group_too(tmp_path: Path) -> None:
         assert numbers[name]["unexplained"] <= 1e-4  # of the variance: 1 % of a deviation; the square of the tolerances
 
 
+@SLOW
 def test_a_bound_that_is_not_known_is_said_to_be_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where poses are nearly singular, forces of all machines together may have no bound."""
     enclosures = registry.enclosures

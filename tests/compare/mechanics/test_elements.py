@@ -101,6 +101,7 @@ def test_a_drive_is_where_its_bodies_are(name: str) -> None:
 SPRINGS = [("B", ["crank", "coupler"]), ("B", ["coupler", "crank"]), ("C", ["coupler", "rocker"])]
 
 
+@sampled(1)
 @pytest.mark.parametrize(("at", "between"), SPRINGS)
 def test_turns_count_whatever_the_order_of_the_samples(at: str, between: list[str]) -> None:
     spring = {"at": at, "between": between, "stiffness": 2, "angle": 1}

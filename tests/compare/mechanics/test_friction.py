@@ -14,6 +14,7 @@ from compare.mechanics.scales import travels
 from scenes import Motion, Sampling, load
 from scenes.scene import GuideFriction, PinFriction
 from tests import scene_files
+from tests.comparisons import sampled
 
 PIN = PinFriction(at="P3", radius=0.04, coefficient=0.1)
 GUIDE = GuideFriction(slider="slider", coefficient=0.2, length=0.3, viscous=10.0)
@@ -41,6 +42,7 @@ def test_friction_of_a_pin_and_a_guide_by_hand() -> None:
         assert not np.abs(MOTION[channel] - by_hand).max() > ROUND_OFF * np.abs(by_hand).max()
 
 
+@sampled(3)
 @pytest.mark.parametrize("channel", ["P3.friction_moment", "slider.friction_force", "friction.power"])
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 1.001])
 def test_another_friction_is_found_without_a_reference(channel: str, factor: float) -> None:

@@ -19,7 +19,7 @@ from compare.report.pages.report import page
 from compare.study import Study
 from scenes import Motion, Sampling, load
 from scenes.model.motion import Samples
-from tests.comparisons import sampled, studied
+from tests.comparisons import SLOW, sampled, studied
 from tests.pages import unpacked, without_scripts
 
 LIMIT = 1.1e6  # bytes
@@ -72,6 +72,7 @@ def long_page(result: Study) -> str:
     return page(longer(result))
 
 
+@SLOW
 def test_a_long_run_has_a_page_that_opens_and_shows_its_worst_sample(long_page: str) -> None:
     assert len(long_page.encode()) < LIMIT
     library, *figures = unpacked(long_page)

@@ -19,7 +19,7 @@ from compare.report.tables.study import setup
 from compare.study import Study
 from scenes import Sampling
 from tests import scene_files
-from tests.comparisons import studied
+from tests.comparisons import sampled, studied
 from tests.scene_files import Changes
 
 LIGHT = {f"bodies.{body}.mass": 1e-9 for body in ("crank", "coupler", "rocker")}
@@ -40,6 +40,7 @@ SCENES: dict[str, tuple[str, Changes]] = {
 QUANTITIES = ("m", "m/s", "m/s^2", "N", "N*m", "J", "W")
 
 
+@sampled(3)
 @pytest.mark.parametrize("case", SCENES)
 def test_every_peak_reads_from_1_to_10000_in_one_unit(case: str) -> None:
     name, changes = SCENES[case]

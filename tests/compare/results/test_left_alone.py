@@ -10,12 +10,13 @@ import analytic
 import scenes
 from compare.results.proposal import proposed
 from tests import scene_files
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 from tests.foreign import Writer, channels, instants
 
 ROUND_OFF = 1e-12  # SI, of channels of linkages of about a metre, a second and a newton
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", [pytest.param("lift", marks=SLOW), "two_blocks", "wedge_and_ram"])
 def test_round_off_is_no_match(name: str, tmp_path: Path) -> None:
     """Channels that stand still are written as what is left of sums, 1e-16 or so: in a table they show nothing."""
@@ -31,6 +32,7 @@ def test_round_off_is_no_match(name: str, tmp_path: Path) -> None:
     assert not read & {f"c{k}" for k, channel in enumerate(table) if channel in still}, lines
 
 
+@sampled(1)
 @pytest.mark.parametrize("signs", [(-1, -1), (-1, 1), (1, -1)])
 def test_the_scenes_axes_come_first(signs: tuple[int, int], tmp_path: Path) -> None:
     """Forces on the other bodies are no forces in a mirrored and turned frame, whatever other columns fit little."""

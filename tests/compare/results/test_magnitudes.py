@@ -13,7 +13,7 @@ from compare.results.result import read_result
 from compare.run import main
 from scenes import InputError, Scene, Status
 from scenes.model.motion import Samples, magnitudes
-from tests.comparisons import References, only_few_settings
+from tests.comparisons import References, only_few_settings, sampled
 from tests.foreign import Writer, instants
 
 GROUPS = {"speed": "velocity", "acceleration": "acceleration", "force": "reaction", "transmission": "position"}
@@ -29,6 +29,7 @@ def _columns(scene: Scene) -> dict[str, Samples]:
     return {"time": times} | lengths | angles
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["four_bar", "toggle_press"])
 def test_each_is_held_against_the_reference(name: str, tmp_path: Path, references: References) -> None:
     scene, writer = scenes.load(name), Writer(decimals=".12g")

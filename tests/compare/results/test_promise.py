@@ -16,7 +16,7 @@ from compare.run import main
 from scenes import InputError, Sampling
 from scenes.model.motion import Samples
 from tests import scene_files
-from tests.comparisons import SLOW, References
+from tests.comparisons import SLOW, References, sampled
 from tests.foreign import DEGREES, MILLIMETRES, Writer, channels, instants, write
 
 PRESS = scenes.load("toggle_press")
@@ -29,6 +29,7 @@ def assessed(references: References, folder: Path, columns: Mapping[str, Samples
     return assess_result(references(PRESS.name), read_result(PRESS, f"theirs={file}"))
 
 
+@sampled(2)
 @pytest.mark.parametrize("timed", [False, True])
 @pytest.mark.parametrize("everything", [False, True])
 def test_whole_degrees_excuse_no_lag(tmp_path: Path, references: References, timed: bool, everything: bool) -> None:
@@ -98,6 +99,7 @@ def test_what_ok_does_not_cover_is_reported(tmp_path: Path, references: Referenc
     assert line == "theirs: P5.y is written too coarsely: its decimals are of more than the 1 % that they may excuse"
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("rows", "turns", "word"),
     [(1, 0.0, "agrees in part"), (60, 0.9, "agrees in part"), (7, 6 / 7, "agrees in part"), (60, 59 / 60, "agrees")],

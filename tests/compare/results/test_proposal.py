@@ -17,7 +17,7 @@ from scenes import Scene, Status
 from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed
 from tests import scene_files
-from tests.comparisons import SLOW, References
+from tests.comparisons import SLOW, References, sampled
 from tests.foreign import ELSEWHERE, Writer, channels, instants, write
 
 SCENE = "offset_slider_crank"
@@ -71,6 +71,7 @@ def test_the_command_prints_it_and_writes_nothing(
     assert "expected a column that rises as the time does" in capsys.readouterr().err
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["four_bar", "driven_toggle"])
 def test_a_log_that_starts_late_is_in_no_other_frame(name: str, tmp_path: Path) -> None:
     """Columns in another order are no frame; and where the drive runs once, it runs within that."""
@@ -120,6 +121,7 @@ def _proposal(scene: Scene, names: list[str], moved: Moved, folder: Path) -> tup
     return len(sure), wrong + ["time"] * bool(not np.abs(cycles - np.round(cycles)).max() <= CLOSE_TO_TRUE / (2 * pi))
 
 
+@SLOW
 @pytest.mark.parametrize(
     ("name", "every"),
     [
@@ -140,6 +142,7 @@ def test_it_is_never_sure_and_wrong(name: str, every: int, tmp_path: Path) -> No
             assert count or names == output, moved
 
 
+@sampled(1)
 @pytest.mark.parametrize("moved", [("crank", 1.0, 0.0, 0.0), ("time", 0.0, 90.0, 0.0), ("time", 0.0, 0.0, 0.05)])
 def test_a_point_on_the_crank_shows_neither_lag_nor_frame(moved: Moved, tmp_path: Path) -> None:
     names = ["A.x", "A.y", "crank.angle"]

@@ -16,7 +16,7 @@ from compare.results.result import read_result
 from compare.run import main
 from scenes import InputError, Scene
 from tests import scene_files
-from tests.comparisons import References, only_few_settings
+from tests.comparisons import References, only_few_settings, sampled
 from tests.foreign import DEGREES, ELSEWHERE, MAPPED, Writer, channels, instants
 
 PRESS = scenes.load("toggle_press")
@@ -26,6 +26,7 @@ def judged(scene: Scene, file: Path, references: References) -> Measurement:
     return assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
 
 
+@sampled(2)
 @pytest.mark.parametrize(
     ("decimals", "promise", "least", "most"),
     [(".17g", 1e-9, 0.0, 1e-13), (".10e", 1e-9, 1e-12, 1e-9), (".6g", 1e-9, 1e-7, 1e-4), (".6f", 1e-9, 1e-7, 1e-4)],
@@ -79,6 +80,7 @@ def test_the_other_side_of_one_of_two_of_a_name_is_of_a_channel(tmp_path: Path) 
         signs('["B"]')
 
 
+@sampled(3)
 @pytest.mark.parametrize("channel", ["P4.y", "P4.vx", "P5.ay", "rod.angle", "toggle.alpha", "P3.fx", "drive.torque"])
 def test_decimals_excuse_no_more_than_half_of_the_last(tmp_path: Path, references: References, channel: str) -> None:
     """A channel that is off by three of its last decimals, and a promise below these, is not ok; one is excused."""

@@ -15,7 +15,7 @@ from compare.results.result import read_result
 from scenes import Scene, Status
 from scenes.model.motion import Samples, quantity
 from tests import scene_files
-from tests.comparisons import SLOW, References
+from tests.comparisons import SLOW, References, sampled
 from tests.foreign import Writer, channels, instants, write
 
 Columns = dict[str, Samples]
@@ -119,6 +119,7 @@ MAPPINGS = {
 QUICK = ("millimetres", "mirrored", "turned", "far too late")
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in MAPPINGS])
 def test_it_is_named_as_what_it_is(name: str, tmp_path: Path, references: References) -> None:
     reference, wrong = references(SCENE), MAPPINGS[name]

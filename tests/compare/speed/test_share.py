@@ -15,6 +15,7 @@ from compare.report.pages.report import page
 from compare.report.tables import speed as speed_tables
 from compare.study import study
 from scenes import Sampling
+from tests.comparisons import sampled
 
 from .stubs import StubEngine, StubRun, quiet, rows_of, second_order, study_of
 
@@ -63,6 +64,7 @@ def test_a_table_takes_its_share_and_names_what_did_not_fit(
     assert speed_tables.left_out(study_of(reference, everything)) == ""
 
 
+@sampled(2)
 @pytest.mark.usefixtures("stub")
 @pytest.mark.parametrize(("samples", "times"), [(72, 0), (360, 0), (180, 1), (90, 1)])
 def test_a_main_run_with_the_same_steps_and_samples_is_not_run_twice(

@@ -102,6 +102,7 @@ REFUSED: dict[str, tuple[str, scene_files.Changes, Status, str]] = {
 }
 
 
+@sampled(6)
 @BOTH_ROUTES
 @pytest.mark.parametrize("case", REFUSED)
 def test_refused_by_name_and_place(case: str, settings: ExudynSettings) -> None:

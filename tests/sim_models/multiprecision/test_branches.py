@@ -7,7 +7,7 @@ import scenes
 from scenes import Sampling
 from scenes.model.motion import channels
 from tests import scene_files
-from tests.comparisons import sampled
+from tests.comparisons import SLOW, sampled
 
 from ..formulations import ALL as SCENES
 from ..formulations import off
@@ -21,6 +21,7 @@ from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402
 from sim_models.multiprecision.start import sketched_pose  # noqa: E402
 
 
+@sampled(2)
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_two_links_near_their_lock_at_once_stay_on_their_branches(gap: float) -> None:
     """The determinant would not tell: both flips together keep its sign."""
@@ -32,6 +33,7 @@ def test_two_links_near_their_lock_at_once_stay_on_their_branches(gap: float) ->
     np.testing.assert_allclose(motion["C.x"], np.cos(angle) - reach, rtol=0, atol=1e-14)
 
 
+@SLOW
 def test_contraction_of_newton_alone_keeps_the_branch(monkeypatch: pytest.MonkeyPatch) -> None:
     """The other guards off, a third of a turn is offered as one step; uncontracted Newton then flips the press."""
     toggle = named("toggle_press", 720)

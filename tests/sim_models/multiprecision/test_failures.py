@@ -10,6 +10,7 @@ import pytest
 import scenes
 from scenes import Failure, Positions, Sampling, Scene, Status
 from tests import scene_files
+from tests.comparisons import sampled
 
 from .runs import EPS, closed, continuing, run, slider_crank, two_rods
 
@@ -132,6 +133,7 @@ def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> 
     assert failure.value.status is Status.not_converged
 
 
+@sampled(1)
 @pytest.mark.parametrize(
     ("name", "steps", "task"),
     [

@@ -12,6 +12,7 @@ from scenes.scene import ConstantSpeed, Force, GuideFriction, PinFriction
 from tests import scene_files
 from tests.absolute_bodies import local_points, mass_properties
 from tests.agreement import attitude
+from tests.comparisons import sampled
 from tests.friction_scenes import everywhere
 
 from .runs import run
@@ -46,6 +47,7 @@ def growth_of_kinetic_energy(scene: Scene, motion: Motion) -> Any:
     return total
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", ["toggle_press", "rocking_guide", "elbow", "three_at_a_pin"])
 def test_power_is_balanced(name: str) -> None:
     """Drive power + loads' power + gravity + friction.power = d(kinetic energy)/dt; all loads are plain forces."""

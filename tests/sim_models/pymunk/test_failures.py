@@ -132,6 +132,7 @@ REFUSED: dict[str, tuple[Scene, Status, str]] = {
 }
 
 
+@sampled(3)
 @pytest.mark.parametrize("case", REFUSED)
 def test_refused_by_name_and_place(case: str) -> None:
     scene, status, reason = REFUSED[case]
@@ -173,6 +174,7 @@ def test_a_singular_matrix_gives_no_numbers_and_leaves_the_others_alone() -> Non
     assert found[[0, 2], 0, 0].tolist() == [1.0, 0.5]
 
 
+@sampled(1)
 @pytest.mark.parametrize("label", ["0", "-1e-6"])
 def test_a_dead_centre_between_two_samples_is_not_stepped_over(label: str) -> None:
     """The run itself comes as near to the dead centre as it may; the slider is to go on to it, or past it."""

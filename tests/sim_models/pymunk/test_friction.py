@@ -7,11 +7,13 @@ from scenes import Sampling
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk.settings import PymunkSettings
 from tests import scene_files
+from tests.comparisons import sampled
 from tests.friction_scenes import everywhere
 
 SAMPLING = Sampling(12)
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", ["rocking_guide", "gas_spring", "four_bar", "crank_press"])
 def test_the_engines_motors_resist_alike(name: str) -> None:
     """Told how large friction is, they find its sense and the joints' forces by themselves, to the second order."""

@@ -167,6 +167,7 @@ def test_settings_have_labels_of_their_own() -> None:
     assert max(steps) >= 100 * min(steps)
 
 
+@sampled(2)
 @pytest.mark.parametrize("settings", ABLATIONS, ids=lambda settings: settings.extra)
 def test_ablations_cost_more_and_change_nothing(settings: PymunkSettings) -> None:
     scene, _ = shipped("toggle_press")
