@@ -57,13 +57,14 @@ def jams(scene: Scene) -> float | None:
 
 
 @every(FRICTION)
-@sampled(12)
+@sampled(8)
 @pytest.mark.parametrize("name", NAMES)
 def test_every_channel(held: Held, name: str) -> None:
     assert not off(held, everywhere(scene_files.load(name), 0.1)) > held.friction
 
 
 @every(FRICTION)
+@sampled(4)
 @pytest.mark.parametrize("more", [{"viscous": 3.0}, {"smooth": 0.7}, {"viscous": 5.0, "smooth": 2.0}])
 def test_viscous_and_smooth(held: Held, more: dict[str, float]) -> None:
     plain = everywhere(scene_files.load("rocking_guide"), 0.15)
@@ -93,7 +94,7 @@ def test_the_drive_pays_for_friction(held: Held, name: str) -> None:
 @every(FRICTION)
 @pytest.mark.parametrize("coefficient", [0.3, 1.0, 3.0])
 @pytest.mark.parametrize("name", ["two_rods", "carried_block"])
-@sampled(8)
+@sampled(4)
 def test_jams_where_no_solution_follows(held: Held, name: str, coefficient: float) -> None:
     scene = everywhere(scene_files.load(name), coefficient)
     if factor := jams(scene):
@@ -149,7 +150,7 @@ def test_nothing_rubs_while_the_drive_dwells(held: Held) -> None:
 
 @every(held for held in FRICTION if held.name != "exudyn steps")
 @pytest.mark.parametrize("name", ["rocking_guide", "three_at_a_pin", "class_iii"])
-@sampled(6)
+@sampled(3)
 def test_a_pin_s_force_touches_its_circle_and_opposes_the_turning(held: Held, name: str) -> None:
     """|moment| = r sin(arctan mu) |R|, against the rate of its bodies on each other."""
     scene = everywhere(scene_files.load(name), 0.2)

@@ -47,9 +47,10 @@ def test_the_reference_is_certified(judgement: Judgement) -> None:
             assert floor[channel] <= 1e-12, channel
 
 
-@SLOW
 @pytest.mark.usefixtures("few_settings")
-@pytest.mark.parametrize("name", scenes.shipped())
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=SLOW if name in QUICK else pytest.mark.study) for name in scenes.shipped()]
+)
 def test_the_command_line_reports_every_scene(name: str, tmp_path: Path) -> None:
     """The engines, which take most of the time, are judged above."""
     assert main([name, "--check", "--engines", "analytic", "--out", str(tmp_path)]) == 0

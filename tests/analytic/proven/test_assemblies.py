@@ -104,8 +104,13 @@ def test_larger_groups_in_other_coordinates(name: str) -> None:
     assert assert_none_missed(scene, 25) > 0
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [*COUNTS, *CROSSING, *LARGER, "excavator_bucket", "quick_return"])
+SLOW, STUDY = pytest.mark.slow, pytest.mark.study
+MANY = [*COUNTS, *CROSSING, *LARGER, "excavator_bucket", "quick_return"]
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=SLOW if number % 3 == 0 else STUDY) for number, name in enumerate(MANY)]
+)
 def test_newton_from_many_starts(name: str) -> None:
     assert assert_none_missed(scenes.load(name) if name in scenes.shipped() else scene_files.load(name), 300) > 0
 
