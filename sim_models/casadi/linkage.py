@@ -29,7 +29,7 @@ class SymbolicLinkage:
 
     def __init__(self, system: System) -> None:
         self.scene, self.bodies, self.size, self.row_units = system.scene, system.bodies, system.size, system.row_units
-        self._arms, self._guides = system.arms, system.guides
+        self._arms, self._guides, self.drive = system.arms, system.guides, system.drive
         self.index = {name: number for number, name in enumerate(self.bodies)}
         self.x, self.v, self.a = (SX.sym(name, len(system.units)) for name in "xva")
         self._q = self.x * system.units
@@ -64,8 +64,8 @@ class SymbolicLinkage:
     @property
     def drive_position(self) -> Any:
         """The position of the drive, rad or m."""
-        body = self.scene.drive.body
-        return self.angle(body) if self.scene.drive.slide is None else self.slid(body)
+        body = self.drive.body
+        return self.angle(body) if self.drive.slide is None else self.slid(body)
 
     def _slide(self, body: str) -> Any:
         return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self._guides[body].carrier))

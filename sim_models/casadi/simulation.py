@@ -5,6 +5,7 @@ import numpy as np
 from casadi import MX, SX, Function
 
 from scenes import Failure, Motion, Request, Scene, Status
+from scenes.model.inputs import inputs_of
 
 from ..coordinates.loads import SHORTEST_SPRING
 from ..coordinates.settings import PoseSettings
@@ -20,7 +21,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
         """Differentiate and assemble, see `engine.build`."""
         super().__init__(CasadiSystem, scene, settings.steps, request)
-        self._settings, self._driven = settings, scene.drive.law.at(self._times)
+        self._settings, self._driven = settings, inputs_of(scene, self._times).driven()
         self._sampled = self._compiled()
         self._poses: list[ClosedPose] = []
         self._shortest = np.empty(0)  # spring at every sample, over the linkage's size
@@ -50,7 +51,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     def _integrated(self) -> list[ClosedPose]:
         """Return the poses at the samples, by Runge and Kutta's method of dx/ds = C_x^-1 e; nothing is corrected."""
         follower, unit, count = self._follower, self._system.drive_unit, self._steps
-        positions = self._scene.drive.law.after(np.arange(count + 1) / (self._each * self._samples))
+        positions = self._system.drive.law.after(np.arange(count + 1) / (self._each * self._samples))
         step, poses, pose = self._step(), [self._start], self._start
         for number, (position, width) in enumerate(zip(positions[:-1], np.diff(positions) / unit, strict=True), 1):
             follower.budget.check(f"{number} of {count} steps are done")

@@ -64,8 +64,8 @@ def framed_body(scene: Scene, body: Body) -> FramedBody:
 def linkage_size(scene: Scene, bodies: Mapping[str, FramedBody]) -> float:
     """Return the largest distance of two points of one body or of the ground, or a driven slider's travel, m."""
     frames = [[complex(*at) for at in scene.ground.values()], *([*body.points.values()] for body in bodies.values())]
-    least, most = scene.drive.law.extent if scene.drive.slide is not None else (0.0, 0.0)
-    return max(most - least, *(abs(p - q) for points in frames for p, q in combinations(points, 2)), 0.0)
+    travels = [drive.span for drive in scene.drives if drive.slide is not None]
+    return max(0.0, *travels, *(abs(p - q) for points in frames for p, q in combinations(points, 2)))
 
 
 def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, complex]) -> complex:

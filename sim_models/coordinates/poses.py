@@ -67,8 +67,8 @@ class PathFollower:
     @property
     def largest_step(self) -> float:
         """The largest step of the drive, rad or m."""
-        turn = self.scene.drive.slide is None
-        return float(LARGEST if turn else LARGEST / (2 * np.pi) * np.ptp(self.scene.drive.law.extent))
+        drive = self.system.drive
+        return float(LARGEST if drive.slide is None else LARGEST / (2 * np.pi) * drive.span)
 
     def tangent(self, pose: ClosedPose) -> tuple[Samples, Samples]:
         """Return dx/ds and d2x/ds2, s the drive's position, rad or m."""
@@ -80,7 +80,7 @@ class PathFollower:
 
     def residuals(self, poses: Sequence[ClosedPose], positions: Samples, promise: float) -> dict[str, float]:
         """Return the largest gap, and how much rounding may be in accelerations, of those that the drive has."""
-        travel = 1.0 if self.scene.drive.slide is None else float(np.ptp(self.scene.drive.law.extent))
+        travel = self.system.drive.unit
         gaps, parts = np.zeros(len(poses)), np.zeros(len(poses))
         for row, (pose, position) in enumerate(zip(poses, positions.tolist(), strict=True)):
             rate, bend = self.tangent(pose)
@@ -154,7 +154,7 @@ def begun(
     too.
     """
     system = kind(scene)
-    poses, drawn = PathFollower(system), scene.drive.in_range(scene.sketch.drive)
+    poses, drawn = PathFollower(system), system.drive.in_range(scene.sketch.drive)
     x = system.placed(on_sketch(system, drawn))
     pose, gaps = poses.pose(x), system.gaps(x)
     apart = partial(_apart, poses, drawn)
@@ -162,7 +162,7 @@ def begun(
         pose = poses.follow(pose, gaps + share * (poses.goal(drawn) - gaps), apart)
     if poses.repeated(pose, drawn):
         raise apart(pose)
-    law = scene.drive.law
+    law = system.drive.law
     pose = next(poses.through(pose, drawn, [law.start]))
     for end in law.extent if whole_way else ():
         _ = [*poses.through(pose, law.start, [end])]
@@ -180,7 +180,7 @@ def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
         seen[name] = np.array([scene.drawn[point] for point in shown], complex)
     for name in system.bodies:
         group, angle = scene.aligned[name], 0.0
-        if scene.drive.body in group and scene.drive.slide is None:
+        if system.drive.body in group and system.drive.slide is None:
             angle = position
         elif GROUND not in group:
             fits = (np.vdot(own[n] - own[n].mean(), seen[n]) for n in sorted(group) if len(own[n]))
@@ -203,13 +203,13 @@ def _apart(poses: PathFollower, position: float, pose: ClosedPose) -> Failure:
 
 def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> float:
     """Return a stroke's furthest displacement as it closes, m: at the best of many positions, or between two."""
-    begin, step = poses.scene.drive.law.start, poses.largest_step / 4
+    begin, step = poses.system.drive.law.start, poses.largest_step / 4
 
     def closed(pose: ClosedPose) -> float:
         return closing * float(poses.system.slid(poses.system.moved(pose.x), body)[0].real)
 
     known = {begin: start}
-    for end in poses.scene.drive.law.extent:
+    for end in poses.system.drive.law.extent:
         positions = np.linspace(begin, end, int(np.ceil(abs(end - begin) / step)) + 1)[1:].tolist()
         known |= zip(positions, poses.through(start, begin, positions), strict=True)
     best = max(known, key=lambda position: closed(known[position]))

@@ -44,4 +44,4 @@ class CoordinateSimulation(Generic[S]):
 
     def _through(self) -> Iterator[ClosedPose]:
         """Yield the poses at the samples by Newton's method."""
-        return self._follower.through(self._start, self._scene.drive.law.start, self._positions.tolist())
+        return self._follower.through(self._start, self._follower.system.drive.law.start, self._positions.tolist())

@@ -64,7 +64,8 @@ class System:
         self.scene = scene
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, self.bodies)
-        self.drive_unit = 1.0 if scene.drive.slide is None else self.size  # of the drive's position
+        self.drive = scene.drive
+        self.drive_unit = 1.0 if self.drive.slide is None else self.size  # of the drive's position
         self.arms = {(GROUND, point): complex(*at) for point, at in scene.ground.items()}  # in the bodies' frames, m
         self.arms |= {(name, point): at for name, body in self.bodies.items() for point, at in body.points.items()}
         self.guides = dict[str, GuideLine]()
@@ -148,8 +149,8 @@ class System:
 
     def driven(self, bodies: Mapping[str, MovingBody], level: int = 0) -> Any:
         """Return the position of the drive, or its first or second derivative by the time."""
-        body = self.scene.drive.body
-        return bodies[body].turning[level] if self.scene.drive.slide is None else self.slid(bodies, body)[level].real
+        body = self.drive.body
+        return bodies[body].turning[level] if self.drive.slide is None else self.slid(bodies, body)[level].real
 
     def step(self, pose: ClosedPose, goal: Samples) -> tuple[ClosedPose | None, int]:
         """Return the pose where C(x) = goal, None where the step is too long, and the iterations of Newton's method."""

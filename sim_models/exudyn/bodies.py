@@ -40,8 +40,8 @@ def linkage_size(scene: Scene, bodies: Mapping[str, ExudynBody]) -> float:
     """The longest distance of a centre of mass to a point or between ground points, or a driven slider's travel, m."""
     arms = [abs(point) for body in bodies.values() for point in body.points.values()]
     ground = [complex(*point) for point in scene.ground.values()]
-    least, most = (0.0, 0.0) if scene.drive.slide is None else scene.drive.law.extent
-    return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
+    travels = [drive.span for drive in scene.drives if drive.slide is not None]
+    return max(0.0, *travels, *arms, *(abs(p - q) for p in ground for q in ground))
 
 
 def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> float:
@@ -51,8 +51,7 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are. In a kinematic
     scene the gaps alone count: near a singular configuration, the round-off of forces would keep the norm up.
     """
-    least, most = scene.drive.law.extent
-    rate = scene.drive.law.peak_rate / (1.0 if scene.drive.slide is None else most - least)
+    rate = scene.pace
     acceleration = size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
     forces = [body.mass * acceleration for body in bodies.values()]
     forces += [element.strength(size, rate) for _, element in scene.elements]

@@ -39,7 +39,7 @@ def model(linkage: System, h: float, *, hard: bool = True) -> Any:
     holds = holds if hard else SOFT.format(time=SOFT_TIME / units.second)
     pins = "".join(f'<connect site1="{p.second}:{p.point}" site2="{p.first}:{p.point}" {holds}/>' for p in scene.pins)
     g = _space(complex(*(scene.gravity or (0, 0))) * units.second**2 / linkage.size)
-    drive = f'<joint joint1="{linkage.coordinates_of(scene.drive.body)[-1]}" {holds}/>'
+    drive = f'<joint joint1="{linkage.coordinates_of(linkage.drive.body)[-1]}" {holds}/>'
     compiled: Any = mujoco.MjModel.from_xml_string(
         f'<mujoco><compiler angle="radian" boundmass="0"/><option timestep="{h!r}" gravity="{g}" jacobian="dense"'
         ' tolerance="1e-14" iterations="200"><flag contact="disable" autoreset="disable"/></option>'

@@ -9,6 +9,7 @@ import numpy as np
 
 from scenes import Failure, Request, Scene, Status
 from scenes.elements.element import End
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
@@ -44,8 +45,8 @@ class MujocoSimulation(CoordinateSimulation[System]):
         self._order = np.array([int(self._model.joint(name).qposadr[0]) for name in self._system.coordinates])
         # MuJoCo has a third row for every pin, out of the plane; the last row is the drive's.
         self._in_plane = np.delete(np.arange(3 * len(scene.pins) + 1), np.s_[2:-1:3])
-        before, at = (float(scene.drive.law.at(-steps * self._h).position) for steps in (PRE_ROLL + 1, PRE_ROLL))
-        first, second = self._follower.through(self._start, scene.drive.law.start, [before, at])
+        before, at = (float(inputs_of(scene, -steps * self._h).driven().position) for steps in (PRE_ROLL + 1, PRE_ROLL))
+        first, second = self._follower.through(self._start, self._follower.system.drive.law.start, [before, at])
         self._first, self._branch = (second.x, (second.x - first.x) / h), second.branch
 
     def solve(self) -> None:
@@ -58,7 +59,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
         mujoco.mj_resetData(self._model, data)
         data.qpos[order], data.qvel[order] = self._first
         times = self._h * np.arange(1 - PRE_ROLL, self._steps + 2)
-        targets = (self._scene.drive.law.at(times).position / system.drive_unit).tolist()
+        targets = (inputs_of(self._scene, times).driven().position / system.drive_unit).tolist()
         previous = np.array(data.qvel)
         for step, target in enumerate(targets, start=-PRE_ROLL):
             self._model.eq_data[-1, 0] = target  # the gap that this step closes is that at its end

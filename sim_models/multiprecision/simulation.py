@@ -61,7 +61,7 @@ def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> d
     that of any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
     """
     scene = linkage.scene
-    pace = scene.drive.law.peak_rate / (1 if scene.drive.slide is None else np.ptp(scene.drive.law.extent))
+    pace = scene.pace
     levels = ([_radii(solution[level]) for solution in solutions] for level in range(3))
     motion = [np.max(radii / np.array(linkage.units)) / pace**order for order, radii in enumerate(levels)]
     errors = {"constraints": float(np.max(motion))}

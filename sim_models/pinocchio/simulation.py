@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scenes import Failure, Motion, Request, Scene, Status
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from ..coordinates.settings import PoseSettings
@@ -51,7 +52,7 @@ class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
         if self._steps:
             yield from self._stepped()
             return
-        driven = self._scene.drive.law.at(self._times)
+        driven = inputs_of(self._scene, self._times).driven()
         for pose, rate, acceleration in zip(self._through(), driven.rate, driven.acceleration, strict=True):
             tangent, bend = self._follower.tangent(pose)
             yield pose, tangent * rate, bend * rate**2 + tangent * acceleration
@@ -62,10 +63,10 @@ class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
         With Baumgarte's terms J a = e s'' - J' v - 2 k (J v - e s') - k^2 (C - e s), by Heun's method; nothing else
         closes the loops.
         """
-        follower, system, law, count = self._follower, self._system, self._scene.drive.law, self._steps
-        h = law.cycle / self._samples / self._each
-        driven = np.transpose(law.at(h * np.arange(count + 1)))
-        k = PULL * 2 * np.pi / law.cycle
+        follower, system, scene, count = self._follower, self._system, self._scene, self._steps
+        h = scene.cycle / self._samples / self._each
+        driven = np.transpose(inputs_of(scene, h * np.arange(count + 1)).driven())
+        k = PULL * 2 * np.pi / scene.cycle
 
         def acceleration(pose: ClosedPose, v: Samples, at: Samples, k: float) -> Samples:
             goal, rate, change = (follower.goal(value) for value in at)

@@ -137,8 +137,8 @@ class PinocchioSystem(System):
             carrier, _, along, first = self.guides[name]
             at, force, moment = bodies[name].place(first), 1j * bodies[carrier].turn * along * next(rows), next(rows)
             yield from (Wrench(name, at, force, moment), Wrench(carrier, at, -force, -moment))
-        driven, effort = self.scene.drive.body, next(rows)
-        if self.scene.drive.slide is None:
+        driven, effort = self.drive.body, next(rows)
+        if self.drive.slide is None:
             yield Wrench(driven, 0j, 0j, effort)
         else:
             yield Wrench(driven, bodies[driven].place(self.guides[driven].first), self.guides[driven].along * effort)

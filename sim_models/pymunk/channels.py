@@ -12,6 +12,7 @@ import numpy as np
 
 from scenes.channels import Role
 from scenes.model.constraints import blocks
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
@@ -43,7 +44,7 @@ def with_rates_of_law(linkage: LinkageConstraints, time: Samples, motion: Motion
     first order in dt. What the driven body lacks by that moves all bodies in the ratio dq/dp, p the drive's position:
     the solution of J dq/dp = (0, ..., 0, 1). Errors in dt^2 are left, from the rates in the steps around the knot.
     """
-    q, law = motion.q, linkage.scene.drive.law.at(time)
+    q, law = motion.q, inputs_of(linkage.scene, time).driven()
     J = linkage.jacobian(q)
     of_drive = J[:, -1].reshape(q.shape)
     ratio = solved(J, np.broadcast_to(np.eye(J.shape[-1])[-1], J.shape[:2]))
@@ -58,10 +59,10 @@ def with_rates_of_law(linkage: LinkageConstraints, time: Samples, motion: Motion
 
 def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
     """The drive's acceleration where that of all coordinates is zero, shape (n,): of a bar that turns."""
-    scene = linkage.scene
-    if scene.drive.slide is None or scene.drive.on == GROUND:
+    drive = linkage.drive
+    if drive.slide is None or drive.on == GROUND:
         return np.zeros(len(motion.q))
-    ends = (scene.drive.body, linkage.first_arm(scene.drive.body)), (scene.drive.on, linkage.back_end)
+    ends = (drive.body, linkage.first_arm(drive.body)), (drive.on, linkage.back_end)
     first, end = (np.array(motion.of_point(linkage.index[name], arm)) for name, arm in ends)
     _, bar, rate, acceleration = first - end
     squared = (np.conj(bar) * acceleration + (np.conj(bar) * rate).imag ** 2 / np.abs(bar) ** 2).real

@@ -38,7 +38,8 @@ class LinkageConstraints:
         self.moved = masses(scene, rigids)
         self.members = {name: body.about(self.moved[name].origin) for name, body in rigids.items()}
         self.index = {name: number for number, name in enumerate([*scene.bodies, GROUND])}
-        self.driven, self._base = self.index[scene.drive.body], self.index[scene.drive.on]
+        self.drive = drive = scene.drive
+        self.driven, self._base = self.index[drive.body], self.index[drive.on]
         self.gravity = complex(*(scene.gravity or (0.0, 0.0)))
 
         ends = [(body, pin.point) for pin in scene.pins for body in (pin.first, pin.second)]
@@ -53,15 +54,14 @@ class LinkageConstraints:
         arms = [arm for body in self.members.values() for arm in body.points.values()]
         places = [*arms, *self._through, *(complex(*point) for point in scene.ground.values())]
         self.size = max(map(abs, places)) or self._way()
-        if scene.drive.slide is not None:  # a point on its guide so far back that the body's first never gets there
-            self.back = (
-                min(*scene.drive.law.extent, scene.drive.in_range(scene.sketch.drive)) - self.size
-            )  # its displacement, m
-            self.back_end = self.through(scene.drive.body) + self.back * complex(*scene.drive.slide.along)
+        if drive.slide is not None:  # a point on its guide so far back that the body's first never gets there
+            drawn = drive.in_range(scene.sketch.drive)
+            self.back = min(*drive.law.extent, drawn) - self.size  # its displacement, m
+            self.back_end = self.through(drive.body) + self.back * complex(*drive.slide.along)
 
     def _way(self) -> float:
         """How large a linkage counts whose points are all at the origin: as its drive's way, m."""
-        return float(np.ptp(self.scene.drive.law.extent)) if self.scene.drive.slide is not None else 1.0
+        return self.drive.unit
 
     def arm(self, body: str, point: str) -> complex:
         """Where a point is from its body's origin, m, in the body's frame."""
@@ -86,17 +86,17 @@ class LinkageConstraints:
     def drive_position(self, q: PoseArray) -> Samples:
         """Where the driven body really is, shape (n,): rad of a crank, m of a slider."""
         q = with_ground(q)
-        if self.scene.drive.slide is None:
+        if self.drive.slide is None:
             return q[:, self.driven, 2] - q[:, self._base, 2]
-        if self.scene.drive.on == GROUND:
+        if self.drive.on == GROUND:
             z, turn = planes(q)
-            return np.asarray(self.displacement(self.scene.drive.body, z.T, turn.T))
+            return np.asarray(self.displacement(self.drive.body, z.T, turn.T))
         return np.asarray(self.back + np.abs(self._bar(q)))
 
     def _bar(self, q: PoseArray) -> ComplexArray:
         """The vector from a point far back on the driven body's guide to its first point, shape (n,)."""
         z, turn = planes(q)
-        first = z[:, self.driven] + self.first_arm(self.scene.drive.body) * turn[:, self.driven]
+        first = z[:, self.driven] + self.first_arm(self.drive.body) * turn[:, self.driven]
         return np.asarray(first - z[:, self._base] - self.back_end * turn[:, self._base])
 
     def gaps(self, q: PoseArray, position: Samples) -> Samples:
@@ -136,17 +136,17 @@ class LinkageConstraints:
         guides[:, number, 1, self._carriers, 2] = -1
 
         drive = np.zeros((n, 1, bodies, 3))
-        if self.scene.drive.slide is None:
+        if self.drive.slide is None:
             drive[:, 0, self._base, 2] = -1
             drive[:, 0, self.driven, 2] = 1
-        elif self.scene.drive.on != GROUND:
+        elif self.drive.on != GROUND:
             bar = self._bar(q)
             back = np.conj(bar / np.abs(bar))[:, None]
-            first, end = self.first_arm(self.scene.drive.body), self.back_end
+            first, end = self.first_arm(self.drive.body), self.back_end
             drive[:, 0, self.driven] = (back * _point_gradients(first * turn[:, self.driven])).real
             drive[:, 0, self._base] = -(back * _point_gradients(end * turn[:, self._base])).real
         else:
-            drive[:, 0] = slid[:, [*self.slides].index(self.scene.drive.body)].real
+            drive[:, 0] = slid[:, [*self.slides].index(self.drive.body)].real
 
         rows = [np.stack([pins.real, pins.imag], axis=2).reshape(n, -1, bodies, 3), guides.reshape(n, -1, bodies, 3)]
         return np.concatenate([*rows, drive], axis=1)[:, :, :-1].reshape(n, 3 * (bodies - 1), -1)

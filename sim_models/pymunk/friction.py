@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from scenes.channels import Role
 from scenes.model.constraints import blocks
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from .constraints import LinkageConstraints, PoseArray, determinant_sign, solved, with_ground
@@ -63,7 +64,7 @@ def with_friction(
 ) -> dict[str, Samples]:
     """All force channels, shape (n,), from those without friction; minus infinity where the linkage jams."""
     # Closed to round-off, so that it is known on what side of a reversal a sample is.
-    q, rate = closed(linkage, q), linkage.scene.drive.law.at(time).rate
+    q, rate = closed(linkage, q), inputs_of(linkage.scene, time).driven().rate
     free, joints = np.stack([*reactions.values()], axis=1), RubbingJoints(linkage)
     found = [_solved(linkage, joints, q[rows], rate[rows], free[rows]) for rows in blocks(q)]
     names = linkage.scene.channels.names(Role.force, Role.friction)

@@ -15,6 +15,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from scenes import Scene
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Force, TorsionSpring
 
@@ -33,7 +34,7 @@ def instants(linkage: LinkageConstraints, time: Samples, q: PoseArray, v: PoseAr
     """The n instants of poses q and rates v, shape (n, bodies, 3)."""
     q, v = with_ground(q), with_ground(v)
     (z, turn), (velocity, _) = planes(q), planes(v)
-    position = linkage.scene.drive.law.at(time).position
+    position = inputs_of(linkage.scene, time).driven().position
     return Instant(time, position, z.T, turn.T, q[..., 2].T, velocity.T, v[..., 2].T)
 
 
@@ -138,10 +139,10 @@ def _constant(linkage: LinkageConstraints, name: str, body: pymunk.Body) -> tupl
 @lru_cache(SCENES)
 def stroke_ends(scene: Scene) -> Sequence[float]:
     """Where the closing strokes of the press forces end, m; once a scene, since its whole way is searched."""
-    law = scene.drive.law
     if not scene.presses:
         return []
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
+    law = linkage.drive.law
     paths = [[(law.start, q), *way(linkage, q, law.start, end)] for end in law.extent]
     end = cache(lambda body, closing: closing * max(_furthest(linkage, body, closing, path) for path in paths))
     return [end(load.body, load.closing) for load in scene.presses.values()]

@@ -21,6 +21,7 @@ from math import fsum, inf, isfinite, isinf
 from typing import TypeAlias
 
 from scenes import Failure, Request, Scene, Status
+from scenes.drive import Drive
 from scenes.model.constraints import groups
 from scenes.scene import GROUND, Pin
 
@@ -53,7 +54,12 @@ Masses: TypeAlias = Callable[[Scene, Mapping[str, PymunkBody]], Inertias]
 def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
     """Tell whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses."""
     # So does a drive between moving bodies, which may have no mass of their own.
-    return request.wants_forces(scene) and not settings.fictitious and scene.drive.on == GROUND
+    return request.wants_forces(scene) and not settings.fictitious and not between_bodies(scene)
+
+
+def between_bodies(scene: Scene) -> bool:
+    """Tell whether a drive stands on a moving body."""
+    return any(drive.on != GROUND for drive in scene.drives)
 
 
 def masses_of(scene: Scene, settings: PymunkSettings, request: Request) -> Masses:
@@ -70,8 +76,7 @@ def own_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
 
 def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Take them with ballast at pins to the ground and to the driven body, which is moved; Failure as of these."""
-    driven = scene.drive.body
-    own = {name: Inertia(b.com, b.mass, b.inertia) for name, b in rigids.items() if name != driven}
+    own = {name: Inertia(b.com, b.mass, b.inertia) for name, b in rigids.items() if name not in scene.driven}
     extra = BALLAST * sum(body.mass for body in rigids.values())
     for name, pin in held(scene).items():
         body, point = rigids[name], pin.point
@@ -79,12 +84,12 @@ def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias
         arm = body.com - body.points[point]
         moment = body.inertia + body.mass * extra / mass * abs(arm) ** 2 if mass else 0.0
         own[name] = Inertia(body.points[point] + (body.mass / mass * arm if mass else 0), mass, moment)
-    return {**_movable(scene, own, rigids), driven: _driven(scene, rigids)}
+    return {**_movable(scene, own, rigids), **{drive.body: _driven(scene, drive, rigids) for drive in scene.drives}}
 
 
 def held(scene: Scene) -> dict[str, Pin]:
     """Return, by body, its pin on the ground or on the driven body."""
-    moved = {GROUND, scene.drive.body}
+    moved = {GROUND, *scene.driven}
     return {
         name: pin
         for pin in scene.pins
@@ -95,10 +100,11 @@ def held(scene: Scene) -> dict[str, Pin]:
 
 def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Choose masses with which sweeps converge fast; the largest is 1 kg divided by RATIO."""
-    chosen = {scene.drive.body: _driven(scene, rigids)} if scene.drive.on == GROUND else {}
+    chosen = {drive.body: _driven(scene, drive, rigids) for drive in scene.drives if drive.on == GROUND}
     scale = 1.0
     for group in assur_groups(scene):
-        earlier, light = {GROUND, *chosen}, AMONG_ITS_OWN if scene.drive.body in group else RATIO
+        driven = not scene.driven.keys().isdisjoint(group)
+        earlier, light = {GROUND, *chosen}, AMONG_ITS_OWN if driven else RATIO
         for name in group:
             body, mass = rigids[name], scale
             size = body.size or _size(rigids)
@@ -124,19 +130,19 @@ def assur_groups(scene: Scene) -> Iterator[list[str]]:
     joints = [(pin.first, pin.second) for pin in scene.pins]
     joints += [(name, slide.on) for name, slide in scene.slides.items()]
     pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
-    pattern.append([*columns[scene.drive.on], *columns[scene.drive.body]])
-    bodies, prescribed = [*scene.bodies], scene.drive.body if scene.drive.on == GROUND else None
+    pattern += [[*columns[drive.on], *columns[drive.body]] for drive in scene.drives]
+    bodies, prescribed = [*scene.bodies], {drive.body for drive in scene.drives if drive.on == GROUND}
     for block in groups(pattern):
         together = {column // 3 for column in block.columns}
-        if named := [bodies[i] for i in sorted(together) if bodies[i] != prescribed]:
+        if named := [bodies[i] for i in sorted(together) if bodies[i] not in prescribed]:
             yield named
 
 
-def _driven(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia:
+def _driven(scene: Scene, drive: Drive, rigids: Mapping[str, PymunkBody]) -> Inertia:
     """Prescribe the driven body's motion: a crank's about its pivot on the ground, about which pymunk turns it."""
-    body = rigids[scene.drive.body]
+    body = rigids[drive.body]
     pivots = [place for point, place in body.points.items() if point in scene.ground]
-    return Inertia(pivots[0] if scene.drive.slide is None else body.com, inf, inf)
+    return Inertia(pivots[0] if drive.slide is None else body.com, inf, inf)
 
 
 def _movable(scene: Scene, inertias: Inertias, rigids: Mapping[str, PymunkBody]) -> Inertias:
@@ -151,7 +157,7 @@ def _movable(scene: Scene, inertias: Inertias, rigids: Mapping[str, PymunkBody])
         group = scene.aligned[name]
         if GROUND in group:
             moment = inf
-        elif scene.drive.body in group:
+        elif not scene.driven.keys().isdisjoint(group):
             moment = inertia.moment or inertia.mass * _size(rigids) ** 2
         else:
             moment = fsum(inertias[other].moment for other in group) / len(group)

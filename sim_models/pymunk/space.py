@@ -47,7 +47,7 @@ class Model:
         self.joints = {**_pins(linkage, among), **_grooves(linkage, among)}
         keeping = [(linkage.slides[name].on, name) for name in linkage.scene.turning if name in linkage.slides]
         gears = [pymunk.GearJoint(among[carrier], among[slider], 0, 1) for carrier, slider in keeping]  # parallel
-        self.drive = _drive(linkage, among) if linkage.scene.drive.on != GROUND else None
+        self.drive = _drive(linkage, among) if linkage.drive.on != GROUND else None
         # The last is the drive's: solved after all others, it does not lag.
         constraints = [*self.joints.values(), *gears, *([self.drive] if self.drive else [])]
         for constraint in constraints:
@@ -95,15 +95,15 @@ class Model:
 
 def _drive(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.GearJoint | pymunk.PinJoint:
     """The joint between what drives and what is driven."""
-    scene = linkage.scene
-    ends = bodies[scene.drive.on], bodies[scene.drive.body]
-    if scene.drive.slide is None:
+    drive = linkage.drive
+    ends = bodies[drive.on], bodies[drive.body]
+    if drive.slide is None:
         return pymunk.GearJoint(*ends, 0, 1)
-    return pymunk.PinJoint(*ends, pair(linkage.back_end), pair(linkage.first_arm(scene.drive.body)))
+    return pymunk.PinJoint(*ends, pair(linkage.back_end), pair(linkage.first_arm(drive.body)))
 
 
 def _motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
-    drive, law = linkage.scene.drive, linkage.scene.drive.law
+    drive, law = linkage.drive, linkage.drive.law
     if not isinstance(law, ConstantSpeed) or drive.slide is not None or drive.on != GROUND:
         raise Failure(Status.unsupported, "pymunk has motors for cranks at a constant speed only")
     return pymunk.SimpleMotor(bodies[drive.body], bodies[GROUND], law.speed)

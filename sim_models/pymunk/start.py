@@ -46,11 +46,11 @@ def begun(scene: Scene, masses: Masses) -> tuple[LinkageConstraints, PoseArray]:
 
 def start(linkage: LinkageConstraints) -> PoseArray:
     """The pose at the drive's start, on the sketch's branch, shape (1, bodies, 3)."""
-    position = linkage.scene.drive.in_range(linkage.scene.sketch.drive)
+    position = linkage.drive.in_range(linkage.scene.sketch.drive)
     q = _sketch(linkage, position)
     gaps = linkage.gaps(q, np.array([position]))
     *_, (_, q) = _follow(linkage, q, lambda s: (position, (1 - s) * gaps), LARGEST_CLOSING)
-    return move(linkage, q, position, linkage.scene.drive.law.start)
+    return move(linkage, q, position, linkage.drive.law.start)
 
 
 def move(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) -> PoseArray:
@@ -89,13 +89,13 @@ def _angles(linkage: LinkageConstraints, shown: Shown, position: float) -> dict[
     A common angle of bodies fits the arms a of their points p best where sum conj(a) p is real, both less their means.
     """
     scene = linkage.scene
-    ground, on, driven = (scene.aligned[name] for name in (GROUND, scene.drive.on, scene.drive.body))
+    ground, on, driven = (scene.aligned[name] for name in (GROUND, linkage.drive.on, linkage.drive.body))
     angles = {ground: 0.0}
     for group in {*scene.aligned.values()} - {ground}:
         fits = (np.vdot(a - a.mean(), p - p.mean()) for a, p in (shown[name] for name in sorted(group)) if len(a))
         if fit := sum(fits) or _fit_of_pairs(linkage, group, shown, position):
             angles[group] = float(np.angle(fit))
-    if scene.drive.slide is None:
+    if linkage.drive.slide is None:
         angles[driven] = angles.setdefault(on, angles.get(driven, position) - position) + position
     return dict.fromkeys(scene.aligned.values(), 0.0) | angles
 
@@ -112,7 +112,7 @@ def _fit_of_pairs(linkage: LinkageConstraints, group: frozenset[str], shown: Sho
             off, before = (along.conjugate() * apart).imag, (along.conjugate() * apart).real
             further = max(sqrt(max(abs(B - A) ** 2 - off**2, 0.0)) - before, LEAST_PUSH * linkage.size)
             if B != A:
-                s = position if name == linkage.scene.drive.body else further
+                s = position if name == linkage.drive.body else further
                 return complex((B - A) * (apart + s * along).conjugate())
     return 0j
 
@@ -122,8 +122,8 @@ def obstacle(scene: Scene) -> tuple[Status, str] | None:
     """What the pose at the drive's start meets on its way through the whole range, once a scene."""
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
     try:
-        for end in scene.drive.law.extent:
-            move(linkage, q, scene.drive.law.start, end)
+        for end in linkage.drive.law.extent:
+            move(linkage, q, linkage.drive.law.start, end)
     except Failure as failure:
         return failure.status, failure.reason
     return None
@@ -131,7 +131,7 @@ def obstacle(scene: Scene) -> tuple[Status, str] | None:
 
 def assembles(linkage: LinkageConstraints, q: PoseArray, positions: Samples) -> bool:
     """Tell whether n poses are near ones that close all joints, and those nearest the drive's ends near ones there."""
-    ends = np.array(linkage.scene.drive.law.extent)  # rad or m, as the positions, shape (n,)
+    ends = np.array(linkage.drive.law.extent)  # rad or m, as the positions, shape (n,)
     nearest = np.abs(positions[:, None] - ends).argmin(axis=0)
     q, positions = np.concatenate([q, q[nearest]]), np.concatenate([positions, ends])
     return _newton(linkage, q, positions) is not None
@@ -145,8 +145,8 @@ def closed(linkage: LinkageConstraints, q: PoseArray) -> PoseArray:
 
 def way(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) -> Iterator[DrivePlace]:
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
-    low, high = linkage.scene.drive.law.extent
-    unit = 1.0 if linkage.scene.drive.slide is None else linkage.size
+    low, high = linkage.drive.law.extent
+    unit = 1.0 if linkage.drive.slide is None else linkage.size
     step = min(LARGEST_TURN * unit, LARGEST_PART * max(high - low, abs(there - here)))
     return _follow(linkage, q, lambda s: (here + s * (there - here), 0.0), step / max(abs(there - here), step))
 

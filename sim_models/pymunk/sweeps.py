@@ -56,7 +56,7 @@ def sweeps_needed(rho: float, left: float) -> float:
 
 def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float]:
     """Yield rho at places of the drive through its whole range; `pose` is that at its start."""
-    law = linkage.scene.drive.law
+    law = linkage.drive.law
     yield contraction(linkage, pose)
     for end in law.extent:
         yield from (contraction(linkage, q) for _, q in way(linkage, pose, law.start, end))

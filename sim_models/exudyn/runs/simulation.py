@@ -7,6 +7,7 @@ import numpy as np
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
 from scenes.elements.springs import PointPair
 from scenes.model.engine import equal_steps
+from scenes.model.inputs import inputs_of
 
 from .. import channels
 from ..friction import JointFriction
@@ -60,7 +61,7 @@ class ExudynSimulation:
         """The channels of friction and forces; that friction jams is told later, after what makes it doubtful."""
         resisting: Mapping[str, Array] = {}
         if self.scene.friction:
-            rates = self.scene.drive.law.at(self.times).rate
+            rates = inputs_of(self.scene, self.times).driven().rate
             try:
                 multipliers, resisting = JointFriction(self.poses).act(self._q, multipliers, self.positions, rates)
             except Failure as jam:
@@ -94,7 +95,7 @@ class PointwiseSimulation(ExudynSimulation):
 
     def __init__(self, scene: Scene, request: Request) -> None:
         super().__init__(scene, request)
-        self._driven = scene.drive.law.at(self.times)
+        self._driven = inputs_of(scene, self.times).driven()
         accelerations = any(scene.channels[name].order == 2 for name in self.sampling.wanted(scene))
         self._samples = self._buffer()
         self._curved = accelerations or len(self._samples) > 3

@@ -13,13 +13,12 @@ from scenes.channels import POWER
 from scenes.model.constraints import blocks
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
 from ..constraints import LinkageConstraints, PoseArray
 from ..friction import with_friction
 from ..loads import applied, instants, stroke_ends
-from ..masses import fictitious_masses, masses_of, own_masses
+from ..masses import between_bodies, fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
 from ..sweeps import enough_sweeps
@@ -51,7 +50,7 @@ class PymunkSimulation:
             self._stroke_ends = ends = stroke_ends(scene)
             if masses is fictitious_masses and not settings.fictitious:
                 settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
-            if scene.drive.on != GROUND:
+            if between_bodies(scene):
                 settings = replace(settings, iterations=max(settings.iterations, enough_sweeps(scene)))
             strides = [ceil(settings.steps / self._sampling.samples) * 2**level for level in range(settings.levels)]
             self._runs = [Integration(scene, self._sampling, n, settings, ends) for n in strides]
@@ -75,11 +74,11 @@ class PymunkSimulation:
                 run.advance(budget)
             runs = [run.motions for run in self._runs]
             motion = Motions(*(_richardson(values) for values in zip(*runs, strict=True)))
-            if not isinstance(self._scene.drive.law, ConstantSpeed):
+            if not self._scene.steady:
                 motion = with_rates_of_law(self._linkage, self._times, motion)
             self._q, forces = motion.q, self._sampling.wants_forces(self._scene)
             self._channels = wanted_channels(self._linkage, self._times, motion, self._stroke_ends, forces=forces)
-            if self._scene.drive.on != GROUND:  # that of the runs: it need not be linear in the coordinates
+            if between_bodies(self._scene):  # that of the runs: it need not be linear in the coordinates
                 position = _richardson([self._linkage.drive_position(run.q) for run in runs])
                 self._channels = {**self._channels, self._scene.drive_channel: position}
 
@@ -163,16 +162,16 @@ def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples,
         C = np.abs(linkage.gaps(q, positions[rows]))
         C[:, 2 * len(scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end
         branches[rows], drift[rows], gap[rows] = linkage.branch(q), C[:, -1], C[:, :-1].max(axis=1)
-    if scene.drive.slide is None:
-        radius = max(map(abs, linkage.members[scene.drive.body].points.values()))
+    if linkage.drive.slide is None:
+        radius = max(map(abs, linkage.members[linkage.drive.body].points.values()))
         gap, most = gap / (radius or linkage.size), "the crank's radius"  # it may have its pivot alone
     else:
-        travel = np.ptp(scene.drive.law.extent)
+        travel = linkage.drive.span
         drift, gap, most = drift / travel, gap / (travel / 2), "half the drive's travel"
 
     _require(scene, branches == start, positions, Status.wrong_branch, "the linkage flips to another branch")
-    if linkage.moved[scene.drive.body].prescribed or scene.drive.on != GROUND:
-        drifting = f"'{scene.drive.body}' is not where the drive takes it"
+    if linkage.moved[linkage.drive.body].prescribed or between_bodies(scene):
+        drifting = f"'{linkage.drive.body}' is not where the drive takes it"
         _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
     opening = f"a joint opens by over {LARGEST_GAP:.0%} of {most}"
     _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, opening)

@@ -8,13 +8,14 @@ from math import ceil
 import numpy as np
 
 from scenes import Failure, ProcessorBudget, Sampling, Scene, Status
-from scenes.scene import GROUND, ConstantSpeed, Force
+from scenes.model.inputs import inputs_of
+from scenes.scene import ConstantSpeed, Force
 
 from ..bodies import pair
 from ..channels import Motions
 from ..constraints import PoseArray
 from ..loads import AppliedForces
-from ..masses import Masses, loaded, masses_of, own_masses
+from ..masses import Masses, between_bodies, loaded, masses_of, own_masses
 from ..settings import ERROR_BIAS, PymunkSettings, TextbookSettings
 from ..space import BatchRecorder, Model, PropertyRecorder
 from ..start import begun, move, rates
@@ -51,7 +52,7 @@ class Integration:
     def __init__(
         self, scene: Scene, sampling: Sampling, stride: int, settings: PymunkSettings, stroke_ends: Sequence[float]
     ) -> None:
-        if scene.drive.on != GROUND and settings.correction != 1:
+        if between_bodies(scene) and settings.correction != 1:
             raise Failure(Status.unsupported, "a drive between moving bodies lags where steps leave errors of joints")
         masses, with_forces = masses_of(scene, settings, sampling), loaded(scene, settings, sampling)
         self._linkage, _ = begun(scene, masses)
@@ -61,7 +62,7 @@ class Integration:
         pre_roll, pose = _before(scene, masses, dt, wanted)
         self.steps = Steps(dt, stride, pre_roll, count)
         # The last rate follows from the position one step after the end.
-        driven = scene.drive.law.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
+        driven = inputs_of(scene, dt * np.arange(-pre_roll, count + 2, dtype=np.float64)).driven()
         self._driven, self.positions = driven.position, driven.position[pre_roll:-1]
         first = rates(self._linkage, pose, float(driven.rate[0]))
         self._gravity = (scene.gravity if with_forces else None) or (0, 0)
@@ -91,7 +92,7 @@ class Integration:
     def advance(self, budget: ProcessorBudget) -> None:
         """Step from before t = 0 to the end."""
         space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self._forces
-        follows = self._model.drive is not None or not isinstance(self._linkage.scene.drive.law, ConstantSpeed)
+        follows = self._model.drive is not None or not isinstance(self._linkage.drive.law, ConstantSpeed)
         joints = [*self.joints.values()]
         recorder.append()
         for k in range(1 - steps.pre_roll, steps.count + 1):
@@ -135,7 +136,7 @@ class Integration:
             self._model.aim(there, self.steps.size)
             return
         behind, rate = 2 * here - there, (there - here) / self.steps.size  # pymunk moves it first, by that rate
-        name, slide = self._linkage.scene.drive.body, self._linkage.scene.drive.slide
+        name, slide = self._linkage.drive.body, self._linkage.drive.slide
         body = self._model.bodies[name]
         if slide is None:
             body.angle, body.angular_velocity = behind, rate
@@ -155,7 +156,7 @@ class TextbookRun:
     """
 
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
-        if scene.drive.on != GROUND:
+        if between_bodies(scene):
             raise Failure(Status.unsupported, "the textbook set-up has a motor on the ground only")
         if scene.kinds - {Force.kind}:
             raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
@@ -166,8 +167,8 @@ class TextbookRun:
         dt = float(sampling.times(scene)[1]) / stride
         pre_roll = ceil(TEXTBOOK_PRE_ROLL * stride * sampling.samples)
         self.steps = Steps(dt, stride, pre_roll, stride * (sampling.count - 1))
-        first = scene.drive.law.at(-self.steps.pre_roll * dt)
-        begin = move(linkage, pose, scene.drive.law.start, float(first.position))
+        first = inputs_of(scene, -self.steps.pre_roll * dt).driven()
+        begin = move(linkage, pose, linkage.drive.law.start, float(first.position))
         self._model = Model(linkage, begin, rates(linkage, begin, float(first.rate)), ERROR_BIAS, "motor")
         self._model.space.gravity = scene.gravity or (0, 0)
         self._model.space.iterations = settings.iterations
@@ -212,10 +213,12 @@ class TextbookRun:
 @lru_cache(STARTS)
 def _before(scene: Scene, masses: Masses, dt: float, wanted: int) -> tuple[int, PoseArray]:
     """The number of steps before t = 0, as wanted or fewer, and the pose there; once a scene, masses and steps."""
-    law, (linkage, start) = scene.drive.law, begun(scene, masses)
+    linkage, start = begun(scene, masses)
     for steps in (wanted, LEAST_PRE_ROLL):
         try:
-            return steps, move(linkage, start, law.start, float(law.at(-steps * dt).position))
+            return steps, move(
+                linkage, start, linkage.drive.law.start, float(inputs_of(scene, -steps * dt).driven().position)
+            )
         except Failure as failure:
             ended = failure
     raise Failure(ended.status, f"pymunk starts {LEAST_PRE_ROLL} steps before zero, where {ended.reason}")
