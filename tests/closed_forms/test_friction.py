@@ -212,7 +212,7 @@ def first_order(mu: float) -> tuple[Any, Any]:
 
 
 @pytest.mark.parametrize(
-    "theory", ENGINES[:2], indirect=True, ids=str
+    "theory", ENGINES[:2], indirect=True, ids=["50 digits", "analytic"]
 )  # of a coefficient of 1e-5 Exudyn's steps leave nothing
 def test_crank_press_to_the_first_order_of_friction(theory: Theory) -> None:
     """It adds m = mu / 2 [(1 + k) d_A + |k| d_B + d_0] / cos psi to the lever arm, k = lambda cos theta / cos psi.
