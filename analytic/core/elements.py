@@ -10,6 +10,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.bodies import GROUND
+from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element
 from scenes.elements.loads import (
     Force,
@@ -161,6 +162,10 @@ def _torsion_spring(spring: TorsionSpring, place: str, at: Loading) -> Acting:
         yield body, ActingForce(samples(0j), at.k.z[spring.at], share)
 
 
+def _constant_force_spring(spring: ConstantForceSpring, _: str, at: Loading) -> Acting:
+    return pulled(spring, spring.force * at.along(at.apart(spring)), at)
+
+
 RULES: Mapping[type[Element], Callable[[Any, str, Loading], Acting]] = {
     Force: _force,
     TurningForce: _turning_force,
@@ -172,6 +177,7 @@ RULES: Mapping[type[Element], Callable[[Any, str, Loading], Acting]] = {
     Spring: _spring,
     Damper: _spring,
     TorsionSpring: _torsion_spring,
+    ConstantForceSpring: _constant_force_spring,
 }
 
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenes import Failure, Scene
+from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element
 from scenes.elements.friction import GuideFriction, PinFriction
 from scenes.elements.loads import (
@@ -199,6 +200,10 @@ def _of_guide_friction(state: MotionVectors, one: GuideFriction) -> Iterator[Pus
     yield Push(on, -force, z, 0.0, state.carried(on, z), called)
 
 
+def _of_constant_force_spring(state: MotionVectors, spring: ConstantForceSpring) -> Iterator[Push]:
+    return pulled(state, spring, lambda _distance, _rate: spring.force)
+
+
 RULES: Mapping[type[Element], Callable[[MotionVectors, Any], Iterator[Push]]] = {
     Force: _of_force,
     TurningForce: _of_turning_force,
@@ -212,6 +217,7 @@ RULES: Mapping[type[Element], Callable[[MotionVectors, Any], Iterator[Push]]] = 
     TorsionSpring: _of_torsion_spring,
     PinFriction: _of_pin_friction,
     GuideFriction: _of_guide_friction,
+    ConstantForceSpring: _of_constant_force_spring,
 }
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element, End
 from scenes.elements.loads import Force, ForceTable, PressForce
 from scenes.elements.springs import Spring
@@ -50,9 +51,16 @@ def _spring(linkage: "SymbolicLinkage", spring: Spring, _place: str) -> Acting:
     return Acting(potential=spring.stiffness / 2 * squared)
 
 
+def _constant_force_spring(linkage: "SymbolicLinkage", spring: ConstantForceSpring, _place: str) -> Acting:
+    from casadi import norm_2
+
+    return Acting(potential=spring.force * norm_2(linkage.way(spring)))
+
+
 RULES: Mapping[type[Element], Callable[["SymbolicLinkage", Any, str], Acting]] = {
     Force: _force,
     PressForce: _press,
     ForceTable: _force_table,
     Spring: _spring,
+    ConstantForceSpring: _constant_force_spring,
 }

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element, End
 from scenes.elements.loads import Force, ForceTable, Load, PressForce
 from scenes.elements.springs import PointPair, Spring
@@ -80,9 +81,17 @@ def _spring(spring: Spring, _: str, at: Situation) -> Iterator[Wrench]:
     yield Wrench(spring.second[0], second, -pull)
 
 
+def _constant_force_spring(spring: ConstantForceSpring, _: str, at: Situation) -> Iterator[Wrench]:
+    first, second = (at.place(end) for end in spring.ends)
+    pull = spring.force * (second - first) / at.apart(spring, second - first)
+    yield Wrench(spring.first[0], first, pull)
+    yield Wrench(spring.second[0], second, -pull)
+
+
 RULES: Mapping[type[Element], Callable[[Any, str, Situation], Iterator[Wrench]]] = {
     Force: _force,
     PressForce: _press,
     ForceTable: _force_table,
     Spring: _spring,
+    ConstantForceSpring: _constant_force_spring,
 }

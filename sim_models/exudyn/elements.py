@@ -6,6 +6,7 @@ from math import ceil, pi, tau
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from scenes.bodies import GROUND
+from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element
 from scenes.elements.loads import (
     Force,
@@ -123,6 +124,11 @@ def _torsion_spring(spring: TorsionSpring, _: str, to: Target) -> None:
     system.mbs.AddObject(system.items.CoordinateSpringDamper(**ends, **values, offset=offset))
 
 
+def _constant_force_spring(spring: ConstantForceSpring, _: str, to: Target) -> None:
+    values = {"stiffness": 0.0, "damping": 0.0, "referenceLength": 0.0, "force": spring.force / to.system.force_unit}
+    to.system.mbs.AddObject(to.system.items.SpringDamper(**to.between(spring), **values))
+
+
 RULES: Mapping[type[Element], Callable[[Any, str, Target], None]] = {
     Force: _force,
     TurningForce: _turning_force,
@@ -134,6 +140,7 @@ RULES: Mapping[type[Element], Callable[[Any, str, Target], None]] = {
     Spring: _spring,
     Damper: _spring,
     TorsionSpring: _torsion_spring,
+    ConstantForceSpring: _constant_force_spring,
 }
 
 

@@ -8,6 +8,7 @@ from math import ceil, floor, pi, tau
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from scenes import Failure, Status
+from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element
 from scenes.elements.loads import (
     Force,
@@ -200,6 +201,17 @@ def _torsion_spring(spring: TorsionSpring, _: str, to: Assembled) -> Generalised
     return moment
 
 
+def _constant_force_spring(spring: ConstantForceSpring, _: str, to: Assembled) -> GeneralisedForce:
+    """The pull f d / |d| on the first point, d being the way to the second, and its reaction there."""
+    way = Way(to.linkage, spring)
+
+    def force(q: arb_mat, _velocity: arb_mat, _time: arb) -> arb_mat:
+        d = way.rows.value(q)
+        return way.rows.jacobian(q).transpose() * d * (-spring.force / way.distance(q, d))
+
+    return force
+
+
 RULES: Mapping[type[Element], Callable[[Any, str, Assembled], GeneralisedForce]] = {
     Force: _force,
     TurningForce: _turning_force,
@@ -211,6 +223,7 @@ RULES: Mapping[type[Element], Callable[[Any, str, Assembled], GeneralisedForce]]
     Spring: _spring,
     Damper: _spring,
     TorsionSpring: _torsion_spring,
+    ConstantForceSpring: _constant_force_spring,
 }
 
 

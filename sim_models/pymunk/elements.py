@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element
 from scenes.elements.loads import (
     Force,
@@ -134,6 +135,13 @@ def _torsion_spring(spring: TorsionSpring, place: str, now: Situation) -> Iterat
     yield spring.second, 0j, moment
 
 
+def _constant_force_spring(spring: ConstantForceSpring, _: str, now: Situation) -> Iterator[BodyForce]:
+    at, index, (first, second) = now.at, now.linkage.index, spring.ends
+    r, s = now.arm(*first), now.arm(*second)
+    d = at.z[index[second[0]]] + s - at.z[index[first[0]]] - r
+    yield from pulled(spring, spring.force * d / np.abs(d), r, s)
+
+
 RULES: Mapping[type[Element], Callable[[Any, str, Situation], Iterator[BodyForce]]] = {
     Force: _force,
     TurningForce: _turning_force,
@@ -145,4 +153,5 @@ RULES: Mapping[type[Element], Callable[[Any, str, Situation], Iterator[BodyForce
     Spring: _spring,
     Damper: _spring,
     TorsionSpring: _torsion_spring,
+    ConstantForceSpring: _constant_force_spring,
 }

@@ -92,6 +92,10 @@ ON_CRANK: dict[str, tuple[Changes, Power]] = {
         spring("ground.P", "crank.T", stiffness=3, length=4, damping=2) | {"ground.points.P": [5, 1]},
         of_pull(5 + 1j, "T", 3, 4, 2),
     ),
+    "constant-force spring": (
+        {"constant_force_springs": [{"between": ["ground.P", "crank.T"], "force": 6}], "ground.points.P": [5, 1]},
+        lambda m: -6 * dot((apart := place(m, "T") - 5 - 1j) / np.abs(apart), velocity(m, "T")),
+    ),
 }
 
 # --- the carried block, whose crank turns at 90 rpm: mm, N and degrees in the file -----------------------------------

@@ -23,7 +23,7 @@ class Held(NamedTuple):
     friction: float = np.inf  # on the scale of `tests.agreement.errors`; infinite where it is not held to any
     slow: bool = False  # a second setting of an engine
     refuses: str = ""  # a part of the reason with which it refuses scenes that others run
-    knows_all: bool = True  # kinds, else those that every engine knows
+    knows_all: bool = True  # kinds
 
     @property
     def module(self) -> Any:

@@ -10,6 +10,8 @@ import numpy as np
 
 import scenes
 from scenes import Motion, Scene
+from scenes.elements import LISTS, kinds_of
+from scenes.elements.element import ElementTable
 from scenes.model.motion import force_channels
 from tests import scene_files
 from tests.scene_files import Changes
@@ -17,6 +19,8 @@ from tests.scene_files import Changes
 Off = tuple[Any, float]  # differences to a formula, and the size that they are relative to
 
 
+# Of lists that came later a row shows the kinds.
+FIRST_KINDS = kinds_of(kind for table in LISTS.values() if table.rank < ElementTable.rank for kind in table.kinds)
 ROUNDED = 1e-9  # of all terms, where no step of the time leaves anything
 TWO_ROUNDED = 1e-13  # of the larger: a difference of two sums of ten terms
 
@@ -32,7 +36,8 @@ class Row(NamedTuple):
 
 
 def without_elements(scene: Scene) -> Scene:
-    return replace(scene, loads=(), springs=(), torsion_springs=())
+    none: dict[str, Any] = {key: () for key, table in LISTS.items() if not table.kinds[0].by_joints}
+    return replace(scene, **none)
 
 
 def difference(motion: Motion, before: Motion, scene: Scene) -> Motion:
