@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-PATIENCE = 600e3  # ms, for what a page does: what is waited for comes, on a busy machine late
+PATIENCE = 180e3  # ms, for what a page does: what is waited for comes, on a busy machine late
 
 
 @pytest.fixture(scope="session")
