@@ -13,7 +13,7 @@ from scenes import Failure, InputError, Motion, Request, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.channels import Role
 from scenes.drive import Driven
-from scenes.model.inputs import Inputs, passing
+from scenes.model.inputs import Inputs, inputs_of, passing
 from scenes.model.lookup import Later
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
@@ -79,7 +79,9 @@ def solve(
         raise InputError("solve: expected either inputs, or position, time or both")
     if inputs is not None:
         return core.at(inputs)
-    return core(position if position is not None else scene.drive.law.at(finite_numbers("time", time)).position, time)
+    if position is None:
+        position = inputs_of(scene, finite_numbers("time", time)).driven().position
+    return core(position, time)
 
 
 def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":

@@ -154,14 +154,14 @@ def _scaled(parts: Sequence[float], value: LoadValue) -> Callable[[Any, float, A
 
 def _value(system: "ExudynSystem", load: TabledLoad) -> LoadValue | None:
     """What a load's vector is to be multiplied by: the value of its table in the step at hand; None without one."""
-    table, scene, drive = load.table, system.scene, system.driven_by
+    table, driven, drive = load.table, system.prescribed, system.driven_by
     if table is None:
         return None
     if table.over == "time":
         return lambda _, clock: float(table.at(drive.zero + clock))
-    if table.over == "displacement" or scene.drive.slide is not None:
-        markers = [(system.gauge(load.body if table.over == "displacement" else scene.drive.body), 1)]
+    if table.over == "displacement" or driven.slide is not None:
+        markers = [(system.gauge(load.body if table.over == "displacement" else driven.body), 1)]
     else:
-        markers = [(system.angle_of(body), sign) for body, sign in ((scene.drive.body, 1), (scene.drive.on, -1))]
+        markers = [(system.angle_of(body), sign) for body, sign in ((driven.body, 1), (driven.on, -1))]
     read = system.coordinate_at
     return lambda mbs, _: float(table.at(sum(sign * read(mbs, at) for at, sign in markers)))

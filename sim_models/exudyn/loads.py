@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from scenes.model.inputs import inputs_of
 from scenes.scene import PressForce
 
 from .elements import RULES, PressSwitches, Target
@@ -39,9 +40,9 @@ def press_switches(poses: PoseSolver, start: Configuration) -> PressSwitches:
 
 def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequence[float]:
     """The instants of a cycle, s, at which a press load starts and stops acting in turn."""
-    system, law = poses.system, poses.system.scene.drive.law
-    times = np.linspace(0, law.cycle, GRID + 1)
-    states = poses.through(start, law.at(times).position, curved=False)
+    system, scene = poses.system, poses.system.scene
+    times = np.linspace(0, scene.cycle, GRID + 1)
+    states = poses.through(start, inputs_of(scene, times).driven().position, curved=False)
 
     def slider(state: Configuration, rate: Any) -> tuple[Any, Any]:
         """Return displacement, m, and velocity, m/s."""
@@ -49,18 +50,18 @@ def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequ
         return system.displacement(load.body, state.q), (system.along(load.body).conjugate() * tangent).real * rate
 
     def at(time: float) -> tuple[float, float]:
-        position, rate, _ = map(float, law.at(time))
-        near = round(time / law.cycle * GRID)
+        position, rate, _ = map(float, inputs_of(scene, time).driven())
+        near = round(time / scene.cycle * GRID)
         return slider(poses.follow(poses.state(states.q[near], states.position[near]), position), rate)
 
-    x, v = slider(states, law.at(times).rate)
+    x, v = slider(states, inputs_of(scene, times).driven().rate)
     dead = list(_zeros(lambda time: at(time)[1], times, v))
     x, times = np.append(x, [at(time)[0] for time in dead]), np.append(times, dead)
     order = times.argsort()
     end = load.closing * (x * load.closing).max()
     meets = end - load.closing * load.last
     met = list(_zeros(lambda time: at(time)[0] - meets, times[order], x[order] - meets))
-    parts = list(pairwise([0.0, *sorted(dead + met), law.cycle]))
+    parts = list(pairwise([0.0, *sorted(dead + met), scene.cycle]))
     acts = [bool(load.acts(*at((begin + end_of) / 2), end)) for begin, end_of in parts]
     changes = zip(parts[1:], pairwise(acts), strict=True)
     switches = [begin for (begin, _), (was, becomes) in changes if was != becomes]

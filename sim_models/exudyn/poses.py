@@ -162,9 +162,9 @@ class PoseSolver:
 
         Where the drive rests or turns back is one too, so that the others lie between two of them.
         """
-        least, most = self.system.scene.drive.law.extent
+        span = self.system.prescribed.span
         steps = np.diff(positions)
-        blocks = np.abs(steps).cumsum() // ((most - least) / KNOTS)
+        blocks = np.abs(steps).cumsum() // (span / KNOTS)
         ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
         return np.flatnonzero(ends)
 

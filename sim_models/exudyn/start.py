@@ -31,7 +31,7 @@ def begun(scene: Scene, *, si: bool = False) -> tuple[Configuration, PressSwitch
 
 def start(poses: PoseSolver) -> Configuration:
     """Assemble the system where the sketch shows it, and move it to the drive's start."""
-    system, drawn = poses.system, poses.system.scene.drive.in_range(poses.system.scene.sketch.drive)
+    system, drawn = poses.system, poses.system.prescribed.in_range(poses.system.scene.sketch.drive)
     where, rough = system.scene.where(drawn), _rough(system, drawn)
     assembled = poses.nearest(rough, drawn)
     if assembled is None:
@@ -43,7 +43,7 @@ def start(poses: PoseSolver) -> Configuration:
     if turned > pi / 2 or poses.branch(poses.equations.jacobian(rough)) != sketch.branch:
         reason = f"the sketch, {where}, is too rough to decide between two ways of assembling the bodies"
         raise Failure(Status.wrong_branch, reason)
-    return poses.follow(sketch, system.scene.drive.law.start)
+    return poses.follow(sketch, system.prescribed.law.start)
 
 
 def _rough(system: ExudynSystem, position: float) -> Array:
@@ -63,10 +63,10 @@ def _rough(system: ExudynSystem, position: float) -> Array:
 def _angles(system: ExudynSystem, sketched: Sketched, position: float) -> dict[frozenset[str], float]:
     """The angles of bodies that slides keep parallel: as drawn, but a crank is turned from what it is driven on."""
     scene = system.scene
-    ground, base, crank = (scene.aligned[name] for name in (GROUND, scene.drive.on, scene.drive.body))
+    ground, base, crank = (scene.aligned[name] for name in (GROUND, system.prescribed.on, system.prescribed.body))
     fits = {group: _fit(system, sketched, group, position) for group in {*scene.aligned.values()} - {ground}}
     angles = {group: phase(fit) for group, fit in fits.items()} | {ground: 0.0}
-    if scene.drive.slide is None:
+    if system.prescribed.slide is None:
         if base != ground and not fits[base]:
             angles[base] = angles[crank] - position
         angles[crank] = angles[base] + position
@@ -92,7 +92,7 @@ def _along_guide(
     (first, begin), (last, end) = sketched[on], sketched[slider]
     along, own = system.along(slider), system.through(slider) + last[0] - system.lever(slider) - first[0]
     drawn, off = end[0] - begin[0], (along.conjugate() * own).imag
-    if slider == system.scene.drive.body:
+    if slider == system.prescribed.body:
         return own + along * position, drawn
     return along * complex(sqrt(max(abs(drawn) ** 2 - off**2, 0.0)), off), drawn  # the slider is pushed out
 

@@ -41,7 +41,7 @@ class ExudynSystem:
 
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
         """Build the system with a drive, in a unit of force of its own, or in SI."""
-        self.scene, self.driven_by = scene, drive
+        self.scene, self.driven_by, self.prescribed = scene, drive, scene.drive
         bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, bodies)  # m
         self.units = np.tile([self.size, self.size, 1.0], len(bodies))  # of x, y and angle of every body
@@ -102,10 +102,10 @@ class ExudynSystem:
 
     def driven(self, q: Array) -> Any:
         """The position of the drive, rad or m, from coordinates, shape (..., 3 bodies)."""
-        name = self.scene.drive.body
-        if self.scene.drive.slide is not None:
+        name = self.prescribed.body
+        if self.prescribed.slide is not None:
             return self.displacement(name, q)
-        return self.pose_of(name, q)[1] - self.pose_of(self.scene.drive.on, q)[1]
+        return self.pose_of(name, q)[1] - self.pose_of(self.prescribed.on, q)[1]
 
     def placed(self, body: str, place: complex) -> tuple[Any, list[float]]:
         """A body's object, and a place of it, or the ground's."""
@@ -195,8 +195,8 @@ class ExudynSystem:
 
     def _add_drive(self, drive: ExudynDrive) -> Any:
         """Hold the position, the angle of a crank or the displacement of a slider, less the drive's at zero."""
-        name, on = self.scene.drive.body, self.scene.drive.on
-        if self.scene.drive.slide is None:
+        name, on = self.prescribed.body, self.prescribed.on
+        if self.prescribed.slide is None:
             first, second = self.coordinate(on, TURN), self.coordinate(name, TURN)
         else:
             first, second = self.coordinate(GROUND, 0), self.gauge(name)

@@ -28,7 +28,8 @@ class LinkageEquations:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.law = law_of(scene.drive.law)
+        self.prescribed = scene.drive
+        self.law = law_of(self.prescribed.law)
         self.index = {name: i for i, name in enumerate(scene.bodies)}
         self.arms: dict[str, dict[str, acb]] = {}  # from the centre of mass to the points, in the body's frame
         self.origins: dict[str, acb] = {}  # and to the frame's origin
@@ -48,7 +49,7 @@ class LinkageEquations:
         for k, point in enumerate(scene.moving_points):
             for axis in (0, 1):
                 self.add_point(self.points, 2 * k + axis, AXES[axis], scene.owners[point][0], point)
-        self.position = EquationRows(1, len(self.index), int(scene.drive.slide is not None))  # of the drive
+        self.position = EquationRows(1, len(self.index), int(self.prescribed.slide is not None))  # of the drive
         self._add_drive(self.position, 0)
 
     def rows(self, count: int) -> EquationRows:
@@ -92,7 +93,7 @@ class LinkageEquations:
         """A length of the linkage's order, m: the spread of its points, or the driven slider's travel."""
         known = np.array([*self.scene.drawn.values()] or [0j])
         arms = (abs(complex(arm)) for arms in self.arms.values() for arm in arms.values())
-        travel = 0.0 if self.scene.drive.slide is None else np.ptp(self.scene.drive.law.extent)
+        travel = 0.0 if self.prescribed.slide is None else self.prescribed.span
         return float(max(*np.abs(known - known.mean()), *arms, travel)) or 1.0
 
     @property
@@ -115,9 +116,9 @@ class LinkageEquations:
 
     def _add_drive(self, rows: EquationRows, row: int) -> None:
         """Add the position of the drive: the crank's angle, or the driven slider's displacement."""
-        name, slide = self.scene.drive.body, self.scene.drive.slide
+        name, slide = self.prescribed.body, self.prescribed.slide
         if slide is None:
-            self.add_angle(rows, row, name, self.scene.drive.on)
+            self.add_angle(rows, row, name, self.prescribed.on)
         else:
             self._add_projection(rows, row, name, self.scene.bodies[name].points[0], acb(*slide.along))
 

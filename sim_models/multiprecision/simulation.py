@@ -120,7 +120,7 @@ class MultiprecisionSimulation:
         continuation = Continuation(linkage, digits, budget)
         solutions, self._rows, q = list[Solution](), [], self._start
         with ctx.workdps(digits):
-            for number, command in enumerate(commands(linkage.scene.drive.law, linkage.law, self._request), start=1):
+            for number, command in enumerate(commands(linkage.prescribed.law, linkage.law, self._request), start=1):
                 budget.task = f"sample {number} of {self._request.count}"
                 goal = linkage.drive(float(command.position))  # the drive's channel is where the pose is
                 q = continuation.follow(q, goal)

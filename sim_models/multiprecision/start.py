@@ -31,7 +31,7 @@ def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
     """Return the pose at the drive's start, shape (3 bodies, 1); Failure as of `Continuation.follow`."""
     scene = linkage.scene
     begin, sketched = linkage.law(Fraction(0)).position, scene.sketch.drive
-    if scene.drive.slide is None:
+    if linkage.prescribed.slide is None:
         way = [float(linkage.law(Fraction(k, INSTANTS)).position) for k in range(INSTANTS + 1)]
         low, high = min(way), max(way)
         # Past either end of its range a crank may lock; one that turns fully goes the short way round to the start.
@@ -61,8 +61,8 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
         if slide.on != GROUND and total[name] == 0:
             total |= dict.fromkeys(scene.aligned[name], turn_of_guide(linkage, name, position))
     angle = {name: 0.0 if GROUND in scene.aligned[name] else float(np.angle(total[name])) for name in own}
-    if scene.drive.slide is None:
-        angle |= dict.fromkeys(scene.aligned[scene.drive.body], angle.get(scene.drive.on, 0.0) + position)
+    if linkage.prescribed.slide is None:
+        angle |= dict.fromkeys(scene.aligned[linkage.prescribed.body], angle.get(linkage.prescribed.on, 0.0) + position)
     q = arb_mat(3 * len(linkage.index), 1)
     for name, i in linkage.index.items():
         r = at[name].mean() - np.exp(1j * angle[name]) * own[name].mean()
@@ -87,7 +87,7 @@ def turn_of_guide(linkage: LinkageEquations, slider: str, position: float) -> co
             w = complex(*slide.through) + place(slider, B) - place(slider, first) - place(slide.on, A)
             ahead, aside = (w * along.conjugate()).real, (w * along.conjugate()).imag
             s = sqrt(max(abs(way) ** 2 - aside**2, 0.0)) - ahead
-            s = position if slider == scene.drive.body else max(s, SHORT * linkage.size)
+            s = position if slider == linkage.prescribed.body else max(s, SHORT * linkage.size)
             return way * (w + along * s).conjugate()
     return 0j
 
