@@ -21,7 +21,6 @@ import numpy as np
 import analytic
 import scenes
 from scenes import Scene
-from scenes.model.motion import channels
 from tests.chain import chain
 
 ROUNDS = 5
@@ -103,7 +102,7 @@ def positions_of_many() -> list[tuple[str, str, str, str]]:
 def every_channel() -> list[tuple[str, str, str, str]]:
     """Time 4096 toggle presses at 360 angles, all channels."""
     scene, angles = scenes.load("toggle_press"), np.linspace(0, 2 * pi, 360)
-    wanted = set(channels(scene))
+    wanted = set(scene.channels.names())
     changes, size = spread(scene, 4096), 4096 * 360
     one, fast = analytic.solver(scene, wanted), analytic.fast_solver(scene, wanted, compiled=True)
     fast.many(changes, angles)

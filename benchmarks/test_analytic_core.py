@@ -14,12 +14,11 @@ from pytest_benchmark.fixture import BenchmarkFixture
 import analytic
 import scenes
 from benchmarks.many_machines import seconds
-from scenes.model.motion import channels
 from tests.chain import chain
 
 ANGLES = np.linspace(0, 2 * np.pi, 360_000)
 SCENE = scenes.load("toggle_press")
-SHAPE = (len(channels(SCENE)), len(ANGLES))
+SHAPE = (len(SCENE.channels.names()), len(ANGLES))
 
 
 @pytest.mark.benchmark(group="360,000 angles, every channel", min_rounds=15)

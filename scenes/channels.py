@@ -41,138 +41,18 @@ arm, which is the largest distance of two points, or of a point from a guide, on
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from enum import Enum
 from functools import cached_property
 from itertools import permutations
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
+from . import quantities
 from .elements.friction import PinFriction
+from .quantities import POWER, TIME, TO_LOCK, TRANSMISSION, Channel, Kind, Names, Quantity, Role, named
 
 if TYPE_CHECKING:
     from .scene import Scene
 
-Kind: TypeAlias = Literal["time", "drive", "point", "body", "pin", "guide", "friction", "group"]
-Names: TypeAlias = tuple[str, ...]
-
-
-class Role(Enum):
-    """What a channel is to a model."""
-
-    time = "the instant"
-    input = "where a drive has its body"
-    kinematic = "motion of a point or a body"
-    force = "force or moment of a joint or a drive: the multiplier of one constraint, in the order of the constraints"
-    friction = "friction of a joint, or its power"
-    magnitude = "length of a vector, of which limits and other programs may speak"
-    own = "what the analytic core alone knows: how far an Assur group is from a singular configuration"
-
-
-ASKED = (Role.time, Role.input, Role.kinematic, Role.force, Role.friction)  # of any model
-TIME = "time"
-TRANSMISSION = "transmission"  # the least angle of all dyads
-TO_LOCK = "to_lock"
-POWER = "friction.power"
-
-
-class Quantity(NamedTuple):
-    """What a channel measures; those of one name have one unit."""
-
-    name: str
-    unit: str
-    group: str = ""  # in which errors are judged; none of the time
-    order: int | None = None  # of the derivative that a channel of the motion is: 0 of a place, 1, 2
-    axis: str = ""  # x or y of a vector's component
-    modulo_turn: bool = False
-
-
-_POINT = tuple(
-    Quantity(f"{letter}{axis}", unit, group, order, axis)
-    for order, (letter, unit, group) in enumerate(
-        (("", "m", "position"), ("v", "m/s", "velocity"), ("a", "m/s^2", "acceleration"))
-    )
-    for axis in "xy"
-)
-_BODY = (
-    Quantity("angle", "rad", "position", 0, modulo_turn=True),
-    Quantity("omega", "rad/s", "velocity", 1),
-    Quantity("alpha", "rad/s^2", "acceleration", 2),
-)
-_PIN = Quantity("fx", "N", "reaction", axis="x"), Quantity("fy", "N", "reaction", axis="y")
-_GUIDE = Quantity("guide_force", "N", "reaction"), Quantity("guide_moment", "N*m", "reaction")
-_TIME = Quantity(TIME, "s")
-_TURNED = Quantity("crank_angle", "rad", "drive", 0), Quantity("torque", "N*m", "torque")
-_SLID = Quantity("displacement", "m", "drive", 0), Quantity("force", "N", "force")
-_RUBBING_PIN, _RUBBING_GUIDE = (
-    Quantity("friction_moment", "N*m", "reaction"),
-    Quantity("friction_force", "N", "reaction"),
-)
-_POWER = Quantity("power", "W", "reaction")
-_GROUP = Quantity(TRANSMISSION, "rad", "position"), Quantity(TO_LOCK, "m", "position")
-_RATES = Quantity("speed", "m/s", "velocity", 1), Quantity("acceleration", "m/s^2", "acceleration", 2)
-_LENGTH_OF_FORCE = Quantity("force", "N", "reaction")
-QUANTITIES = (_TIME, *_POINT, *_BODY, *_PIN, *_GUIDE, *_TURNED, *_SLID, _RUBBING_PIN, _RUBBING_GUIDE, _POWER)
-QUANTITIES += (*_GROUP, *_RATES)
-# Of the units that a file may name; the others are SI in files too.
-DIMENSIONS = {"m": "length", "rad": "angle", "N": "force", "N*m": "moment", "m/s": "sliding_rate"}
-
-
-@dataclass(frozen=True, slots=True)
-class Channel:
-    """One column of a motion, or a magnitude: its name, and what that stands for."""
-
-    name: str  # `P5.vy`
-    role: Role
-    kind: Kind  # of its subject: points, bodies, pins and guides may have the same names
-    subject: str  # the point, the body, the pin's `Pin.channel`, the slider, the driven body, the group's inner joint
-    measured: Quantity
-    components: Names = ()  # of the vector whose component, or whose length, it is: its x and its y
-    point: str = ""  # where it is: the point, the pin's, or the first of its body
-
-    @property
-    def quantity(self) -> str:
-        """The name of what it measures."""
-        return self.measured.name
-
-    @property
-    def unit(self) -> str:
-        """Its SI unit."""
-        return self.measured.unit
-
-    @property
-    def group(self) -> str:
-        """The group in which its errors are judged."""
-        return self.measured.group
-
-    @property
-    def order(self) -> int | None:
-        """The order of the derivative with respect to time; None where it is no place and no rate."""
-        return self.measured.order
-
-    @property
-    def axis(self) -> str:
-        """The axis along which a vector's component is, x or y; empty of all else."""
-        return self.measured.axis
-
-    @property
-    def modulo_turn(self) -> bool:
-        """Whether samples count modulo one turn."""
-        return self.measured.modulo_turn
-
-    @property
-    def is_force(self) -> bool:
-        """Whether it is a force, a moment or a power of a joint or a drive."""
-        return self.role in (Role.force, Role.friction)
-
-    @property
-    def owner(self) -> str:
-        """What messages call its subject."""
-        return self.kind if self.kind in ("drive", "friction") else self.subject
-
-    @property
-    def header(self) -> str:
-        """The heading of its column in files: `P5.y [m]`."""
-        return f"{self.name} [{self.unit}]"
+__all__ = ["POWER", "TIME", "TO_LOCK", "TRANSMISSION", "Channel", "Channels", "Role", "named", "own_channel"]
 
 
 class DriveChannels(NamedTuple):
@@ -209,8 +89,8 @@ class Channels:
     """A scene's channels by name, in the order of the files; besides them, magnitudes and what the core alone knows."""
 
     def __init__(self, scene: "Scene") -> None:
-        self.drive = DriveChannels(*map(_of_drive, _TURNED if scene.drive.slide is None else _SLID))
-        rows = *_asked(scene), *_magnitudes(scene, self.drive.effort)
+        self.drive = DriveChannels(*map(_of_drive, quantities.TURNED if scene.drive.slide is None else quantities.SLID))
+        rows = *_asked(scene), *_besides(scene, self.drive.effort)
         self._rows = {row.name: row for row in rows}
         self._first = {name: body.points[0] for name, body in scene.bodies.items()}
         self._names: dict[tuple[Role, ...], Names] = {}
@@ -218,7 +98,7 @@ class Channels:
     def names(self, *roles: Role) -> Names:
         """The names of all channels of these roles; of all that any model may be asked for where none is given."""
         if (names := self._names.get(roles)) is None:
-            wanted = roles or ASKED
+            wanted = roles or quantities.ASKED
             names = self._names[roles] = tuple(name for name, row in self._rows.items() if row.role in wanted)
         return names
 
@@ -233,6 +113,11 @@ class Channels:
     def find(self, kind: Kind, subject: str, quantity: str) -> Channel | None:
         """The channel of a subject by what it measures; None where there is none."""
         return self._found.get((kind, subject, quantity))
+
+    def below(self, name: str) -> str | None:
+        """The channel whose derivative by the time one is; None where that is no channel."""
+        row = self[name]
+        return self._by_order.get((row.kind, row.subject, row.axis, (row.order or 0) - 1))
 
     @cached_property
     def points(self) -> Mapping[str, PointChannels]:
@@ -261,6 +146,12 @@ class Channels:
         rows = (self._rows[name] for name in self.names(Role.magnitude))
         return {row.name: (x, y) for row in rows for x, y in (row.components,)}
 
+    @cached_property
+    def forces_of_pins(self) -> Mapping[str, str]:
+        """By `Pin.channel` the name of how large its force is."""
+        rows = (self._rows[name] for name in self.magnitudes)
+        return {row.subject: row.name for row in rows if row.kind == "pin"}
+
     def _by_subject(self, kind: Kind, role: Role) -> dict[str, list[str]]:
         names: dict[str, list[str]] = {}
         for row in self._rows.values():
@@ -273,13 +164,18 @@ class Channels:
         return {(row.kind, row.subject, row.quantity): row for row in self._rows.values()}
 
     @cached_property
+    def _by_order(self) -> Mapping[tuple[str, str, str, int | None], str]:
+        rows = (self[name] for name in self.names(Role.kinematic))
+        return {(row.kind, row.subject, row.axis, row.order): row.name for row in rows}
+
+    @cached_property
     def _own(self) -> Mapping[str, Channel]:
         """What the core may know of any group: it has the name of a point, of a body, or of two."""
         joints = {f"{one}/{other}": self._first[one] for one, other in permutations(self._first, 2)}
         joints |= self._first | {point: point for point in self.points}
-        rows = {TRANSMISSION: Channel(TRANSMISSION, Role.own, "group", "", _GROUP[0])}
+        rows = {TRANSMISSION: Channel(TRANSMISSION, Role.own, "group", "", quantities.GROUP[0])}
         for joint, point in joints.items():
-            for quantity in _GROUP:
+            for quantity in quantities.GROUP:
                 name = own_channel(joint, quantity.name)
                 rows[name] = Channel(name, Role.own, "group", joint, quantity, (), point)
         return rows
@@ -303,42 +199,49 @@ def _vector(role: Role, kind: Kind, subject: str, quantities: tuple[Quantity, ..
 
 def _asked(scene: "Scene") -> Iterator[Channel]:
     """Yield the channels that any model may be asked for, in the order of the files."""
-    driven, (position, effort) = scene.drive.body, _TURNED if scene.drive.slide is None else _SLID
+    driven, (position, effort) = scene.drive.body, quantities.TURNED if scene.drive.slide is None else quantities.SLID
     first = {name: body.points[0] for name, body in scene.bodies.items()}
-    yield Channel(TIME, Role.time, "time", "", _TIME)
+    yield Channel(TIME, Role.time, "time", "", quantities.INSTANT)
     yield Channel(_of_drive(position), Role.input, "drive", driven, position, (), first[driven])
     for point in scene.moving_points:
         for order in range(3):
-            yield from _vector(Role.kinematic, "point", point, _POINT[2 * order : 2 * order + 2], point)
+            yield from _vector(Role.kinematic, "point", point, quantities.POINT[2 * order : 2 * order + 2], point)
     for body in scene.turning:
-        for quantity in _BODY:
+        for quantity in quantities.BODY:
             yield Channel(f"{body}.{quantity.name}", Role.kinematic, "body", body, quantity, (), first[body])
     if not scene.has_masses:
         return
     for pin in scene.pins:
-        yield from _vector(Role.force, "pin", pin.channel, _PIN, pin.point)
+        yield from _vector(Role.force, "pin", pin.channel, quantities.PIN, pin.point)
     for body in scene.slides:
-        for quantity in _GUIDE:
+        for quantity in quantities.GUIDE:
             yield Channel(f"{body}.{quantity.name}", Role.force, "guide", body, quantity, (), first[body])
     yield Channel(_of_drive(effort), Role.force, "drive", driven, effort, (), first[driven])
     for friction in scene.friction:
         joint = friction.joint(scene)
         if isinstance(friction, PinFriction):
             point = friction.pin(scene).point
-            yield Channel(friction.channel(scene), Role.friction, "pin", joint, _RUBBING_PIN, (), point)
+            yield Channel(friction.channel(scene), Role.friction, "pin", joint, quantities.RUBBING_PIN, (), point)
         else:
-            yield Channel(friction.channel(scene), Role.friction, "guide", joint, _RUBBING_GUIDE, (), first[joint])
+            yield Channel(
+                friction.channel(scene), Role.friction, "guide", joint, quantities.RUBBING_GUIDE, (), first[joint]
+            )
     if scene.friction:
-        yield Channel(POWER, Role.friction, "friction", "", _POWER)
+        yield Channel(POWER, Role.friction, "friction", "", quantities.LOST)
 
 
-def _magnitudes(scene: "Scene", effort: str) -> Iterator[Channel]:
-    """Yield the lengths of vectors; of a pin whose force would be called as the drive's is with the later body."""
-    for quantity, letter in zip(_RATES, "va", strict=True):
+def _besides(scene: "Scene", effort: str) -> Iterator[Channel]:
+    """Yield the axes of guides' forces, and the lengths of vectors.
+
+    The force of a pin whose name would be that of the drive's force has the later body in its name too.
+    """
+    for slider in scene.slides if scene.has_masses else ():
+        yield from _vector(Role.given, "guide", slider, quantities.GUIDE_AXES, scene.bodies[slider].points[0])
+    for quantity, letter in zip(quantities.RATES, "va", strict=True):
         for point in scene.moving_points:
             both = f"{point}.{letter}x", f"{point}.{letter}y"
             yield Channel(f"{point}.{quantity.name}", Role.magnitude, "point", point, quantity, both, point)
     for pin in scene.pins if scene.has_masses else ():
         name, both = f"{pin.channel}.force", (f"{pin.channel}.fx", f"{pin.channel}.fy")
         name = f"{pin.point}/{pin.second}.force" if name == effort else name
-        yield Channel(name, Role.magnitude, "pin", pin.channel, _LENGTH_OF_FORCE, both, pin.point)
+        yield Channel(name, Role.magnitude, "pin", pin.channel, quantities.LENGTH_OF_FORCE, both, pin.point)

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from . import limits
 from .bodies import GROUND, Body, DrawnBody, Slide
-from .channels import DIMENSIONS, Channels
+from .channels import Channels
 from .drive import ConstantSpeed, Drive, DriveLaw, HarmonicLaw, MotionLaw, SegmentedLaw
 from .elements import LISTS
 from .elements.element import Element
@@ -23,6 +23,7 @@ from .elements.friction import Friction, GuideFriction, PinFriction
 from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
 from .elements.springs import Spring, TorsionSpring
 from .fields import FileTable, Finite, Gravity, Number, Place, Position, Positive, Vector, put, walk
+from .quantities import DIMENSIONS
 
 __all__ = ["GROUND", "Body", "DrawnBody", "Pin", "Scene", "Sketch", "Slide", "Vector"]
 __all__ += ["ConstantSpeed", "Drive", "DriveLaw", "HarmonicLaw", "MotionLaw", "SegmentedLaw"]

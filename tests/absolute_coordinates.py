@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Scene
-from scenes.model.motion import channels
 from scenes.scene import GROUND, ConstantSpeed, PressForce
 
 from .absolute_bodies import TURNED, Floats, local_points, sketched
@@ -38,7 +37,7 @@ def solve(
     """
     model = Absolute(scene)
     found = [model.channels(now) for now in instants(model, position, rate, acceleration, time)]
-    return {name: np.array([row[name] for row in found]) for name in channels(scene) if name != "time"}
+    return {name: np.array([row[name] for row in found]) for name in scene.channels.names() if name != "time"}
 
 
 def instants(

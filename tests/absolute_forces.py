@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from scenes.elements.tables import LoadCurve
-from scenes.model.motion import channels
 from scenes.scene import GROUND, Force, GuideForce, Load, Moment, PressForce, Spring, TableForce, TorsionSpring
 
 from .absolute_bodies import TURNED, Floats, mass_properties
@@ -40,7 +39,9 @@ class Instant(NamedTuple):
 def reactions(model: "Absolute", now: Instant) -> dict[str, float]:
     """Return what holds the bodies and drives them: three equations a body, force, force, moment about its com."""
     scene, names, (Q, dQ, ddQ, *_) = model.scene, list(model.scene.bodies), now
-    unknown = [name for name in channels(scene) if name.endswith((".fx", ".fy", ".guide_force", ".guide_moment"))]
+    unknown = [
+        name for name in scene.channels.names() if name.endswith((".fx", ".fy", ".guide_force", ".guide_moment"))
+    ]
     unknown.append("drive.torque" if scene.drive.slide is None else "drive.force")
     A, b = np.zeros((3 * len(names), len(unknown))), np.zeros(3 * len(names))
     com = {}

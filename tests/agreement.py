@@ -14,7 +14,8 @@ from compare.engines import registry
 from compare.mechanics.reference import Reference
 from compare.mechanics.scales import relative_errors
 from scenes import Motion, Request, Scene
-from scenes.model.motion import Samples, channels, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 
 Channels = Mapping[str, Samples]
 
@@ -34,7 +35,7 @@ NOTHING = 1e-6
 
 def kind(channel: str) -> str:
     """Return what channels of one unit and one size have in common."""
-    return ALIKE.get(quantity(channel), quantity(channel))
+    return ALIKE.get(named(channel).name, named(channel).name)
 
 
 def scales(samples: Channels, mass: float = 0.0) -> dict[str, float]:
@@ -65,7 +66,7 @@ def errors(motion: Motion, expected: Channels, whole: Channels | None = None, ma
     scale, found = scales(whole or expected, mass), {}
     for channel, values in expected.items():
         difference = motion[channel] - values
-        if quantity(channel) == "angle":
+        if named(channel).name == "angle":
             difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
         found[channel] = np.abs(difference) / scale[kind(channel)]
     return found
@@ -102,14 +103,14 @@ def off_50_digits(reference: Reference, request: Request) -> dict[str, Samples]:
     scene = reference.scene
     true = exact(scene, request)
     motion = reference.at(true[scene.drive_channel], true["time"])
-    found = relative_errors(motion, true, reference.scale)
-    assert set(found) == set(channels(scene)) - {"time"}
+    found = relative_errors(scene.channels, motion, true, reference.scale)
+    assert set(found) == set(scene.channels.names()) - {"time"}
     return found
 
 
 def assert_agree(scene: Scene, motion: Motion, expected: Channels, whole: Motion | None = None) -> None:
     """Compare every channel of the scene's motion with the one expected."""
-    assert set(expected) == set(channels(scene))
+    assert set(expected) == set(scene.channels.names())
     lightest = min((body.mass for body in scene.bodies.values() if body.mass), default=0.0)
     for channel, error in errors(motion, expected, whole.samples if whole else None, lightest).items():
         assert error.max() <= TOLERANCE[kind(channel)], channel

@@ -20,8 +20,8 @@ from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from compare.mechanics.reference import Reference
 from compare.study import Study, study
 from scenes import Motion, Sampling, Scene, Settings
+from scenes.channels import named
 from scenes.elements import PLAIN_KINDS
-from scenes.model.motion import quantity
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
 sampled = pytest.mark.sampled  # so many of a test's cases by default, more as SLOW; see tests/conftest.py
@@ -136,6 +136,6 @@ def vector_of(channel: str) -> set[str]:
 
 def size_of(motion: Motion, channel: str, scale: float, row: int = 40) -> float:
     """Return what an error is divided by at a sample: the scale, or of a rate the vector's magnitude if larger."""
-    if quantity(channel) in ("x", "y", "angle"):
+    if named(channel).name in ("x", "y", "angle"):
         return scale
     return max(scale, float(np.sqrt(sum(motion[part][row] ** 2 for part in vector_of(channel)))))

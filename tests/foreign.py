@@ -8,8 +8,8 @@ import numpy as np
 
 import analytic
 from scenes import Scene
-from scenes.model.motion import Samples, force_channels
-from scenes.model.motion import channels as all_channels
+from scenes.channels import Role
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 Texts = Mapping[str, list[str]]  # by column
@@ -37,7 +37,10 @@ class Writer:
 
     def _written(self, scene: Scene, motion: Mapping[str, Samples], channel: str) -> Samples:
         stem, _, kind = channel.rpartition(".")
-        way, other = (-1 if self.mirrored else 1), (-1 if self.other_side and channel in force_channels(scene) else 1)
+        way, other = (
+            (-1 if self.mirrored else 1),
+            (-1 if self.other_side and channel in scene.channels.names(Role.force) else 1),
+        )
         if kind in ("fx", "fy"):
             return other * self._component(motion, stem, "f", kind) / self.force
         if kind[-1] in "xy":
@@ -73,7 +76,7 @@ def instants(scene: Scene, count: int = 90, cycles: float = 0.9, seed: int = 1) 
 
 def channels(scene: Scene) -> list[str]:
     """Return all channels but the time and the drive's."""
-    return [*all_channels(scene)[2:]]
+    return [*scene.channels.names(Role.kinematic, Role.force, Role.friction)]
 
 
 def write(folder: Path, texts: Texts, mapping: str = "", name: str = "theirs", sep: str = ",", **read: str) -> Path:

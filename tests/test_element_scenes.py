@@ -37,7 +37,7 @@ def test_three_formulations_agree_on_every_element_and_drive(tmp_path: Path, cou
             assert "undetermined" not in truth.fates, scene.name
             fifty, core = found
             scale = scales(Mechanics(scene), fifty, travels(scene, fifty))
-            for channel, error in relative_errors(core, fifty, scale).items():
+            for channel, error in relative_errors(scene.channels, core, fifty, scale).items():
                 assert not error[rows].max(initial=0.0) > OF_PEAK, (scene.name, channel)
 
 

@@ -7,7 +7,6 @@ import analytic
 from compare.engines import registry
 from compare.judge.proof import MET, MISSED, held
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.model.motion import channels, magnitudes
 from tests import scene_files
 from tests.comparisons import SLOW, sampled
 from tests.naming import alike, loaded
@@ -39,7 +38,8 @@ def test_the_core_finds_the_same_numbers(name: str) -> None:
     for label, other in alike(scene):
         found = registry.motion(other, FEW)
         assert numbers(found) == expected, label
-        assert len({*channels(other), *magnitudes(other)}) == len(channels(scene)) + len(magnitudes(scene)), label
+        names = {*other.channels.names(), *other.channels.magnitudes}
+        assert len(names) == len(scene.channels.names()) + len(scene.channels.magnitudes), label
 
 
 @pytest.mark.parametrize("name", NAMED)

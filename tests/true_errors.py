@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 import analytic
 from scenes import Failure, Motion, Sampling, Scene
+from scenes.channels import Role
 from scenes.fields import put, walk
-from scenes.model.motion import Samples, channels, friction_channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, Force, PressForce
 
 from . import absolute_coordinates
@@ -63,7 +64,7 @@ class Rubbed:
     @classmethod
     def of(cls, scene: Scene, time: Samples) -> "Rubbed":
         drive, model, rows, fates, slow = scene.drive.law.at(time), absolute_coordinates.Absolute(scene), [], [], []
-        none = {name: np.nan for name in channels(scene) if name != "time"}
+        none = {name: np.nan for name in scene.channels.names() if name != "time"}
         for now in absolute_coordinates.instants(model, *drive, time):
             slow.append(unsure(model, now))
             try:
@@ -221,7 +222,7 @@ class Truth:
         for name in (name for name, body in self.scene.bodies.items() if body.slide is not None):
             yield from ((of, motion[of] + 0j) for of in (f"{name}.guide_force", f"{name}.guide_moment"))
         effort = "drive.torque" if self.scene.drive.slide is None else "drive.force"
-        yield from ((of, motion[of] + 0j) for of in (effort, *friction_channels(self.scene)))
+        yield from ((of, motion[of] + 0j) for of in (effort, *self.scene.channels.names(Role.friction)))
 
     def _errors(self, motion: Channels, true: Channels) -> Iterator[tuple[str, Samples]]:
         scene, (travel, w) = self.scene, self._drive

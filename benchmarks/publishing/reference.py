@@ -16,7 +16,7 @@ from compare.cli import arguments
 from compare.cli import command as command_line
 from compare.measure.many import grid
 from compare.results.mapping import MappingFile
-from scenes import Status, channels, limits
+from scenes import Status, channels, limits, quantities
 from scenes.file.format import SceneFile
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference.md"
@@ -54,7 +54,7 @@ def _parts() -> Iterator[str]:
     yield from _file(MappingFile)
     yield "## Limits\n\n" + _table(("of", "at most"), ((what, f"{most:,}") for what, most in LIMITS))
     yield "## Channels\n\n" + _docstring(channels)
-    units = {f"`{quantity.name}`": quantity.unit for quantity in channels.QUANTITIES}.items()
+    units = {f"`{quantity.name}`": quantity.unit for quantity in quantities.QUANTITIES}.items()
     yield "CSV files have the unit in the heading, as `P5.y [m]`.\n\n" + _table(("quantity", "unit"), units)
     yield "## Statuses\n\n" + _table(("status", "meaning"), ((f"`{each.name}`", each.value) for each in Status))
     yield "## Command line\n\n" + _table(("option", "meaning"), _options())

@@ -11,8 +11,9 @@ from pathlib import Path
 
 from scenes import InputError, Sampling, Scene, limits
 from scenes.arguments import names, refuse
+from scenes.channels import Role
 from scenes.errors import nearest, one_line
-from scenes.model.motion import FEWEST, channels
+from scenes.model.motion import FEWEST
 
 from ..engines import registry
 from ..engines.registry import TIERS, Accuracy
@@ -138,7 +139,7 @@ def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | N
 
 def matching(scene: Scene, patterns: Sequence[str]) -> frozenset[str]:
     """The channels of a scene whose names match a pattern, as `P5.*`; InputError for one that matches none."""
-    known = [channel for channel in channels(scene) if channel not in ("time", scene.drive_channel)]
+    known = scene.channels.names(Role.kinematic, Role.force, Role.friction)
     for pattern in patterns:
         if not any(fnmatchcase(channel, pattern) for channel in known):
             raise InputError(f"--channels: {scene.name} has no channel '{pattern}'{nearest(pattern, known)}")

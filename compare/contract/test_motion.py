@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from scenes import Motion, Sampling, Scene, Status
-from scenes.model.motion import channels, quantity
 
 from ..engines.registry import TIERS, tiers
 from ..engines.runner import complete, run
@@ -23,7 +22,7 @@ def motion_of(name: str, scene: Scene) -> Motion:
 
 def given(motion: Motion, scene: Scene) -> set[str]:
     """Return which of a scene's channels a motion knows of; others, of an engine's own, are not looked at."""
-    return {*motion.samples, *motion.unsupported} & {*channels(scene)}
+    return {*motion.samples, *motion.unsupported} & {*scene.channels.names()}
 
 
 def test_a_shipped_scene_is_solved_or_refused(name: str, scene: Scene) -> None:
@@ -68,7 +67,7 @@ def test_several_cycles(name: str, solved: Scene) -> None:
 
 def test_only_what_is_asked_for(name: str, solved: Scene) -> None:
     """Of two channels, those alone come back, besides time and drive, and within the promise."""
-    some = frozenset(channel for channel in SAMPLING.wanted(solved) if quantity(channel) in ("x", "fx"))
+    some = frozenset(name for name in SAMPLING.wanted(solved) if solved.channels[name].quantity in ("x", "fx"))
     few = replace(SAMPLING, channels=some)
     motion = run(name, solved, few).motion
     assert motion is not None

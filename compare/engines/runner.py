@@ -11,8 +11,8 @@ import numpy as np
 
 from scenes import Engine, Failure, Motion, Request, Rows, Sampling, Scene, Settings, Status
 from scenes.arguments import unmasked
+from scenes.channels import Role
 from scenes.model.engine import refuse_unknown
-from scenes.model.motion import kinematic_channels, quantity
 
 from . import registry
 from .outside import unpacked
@@ -26,7 +26,6 @@ SECONDS_EACH = 1e-4  # more for every value asked for, or found on the way; the 
 MEMORY_EACH = 256  # bytes more for every one of those; a motion is 8
 LIMITS = Limits(SECONDS)  # of what is no run
 LARGEST = 1e30  # of a number: its square is a double
-OF_GROUPS = ("transmission", "to_lock")  # kinds of channels that nobody has to give
 T = TypeVar("T")
 Several: TypeAlias = Sequence[Settings | None]
 TICK = 1e-6  # s, of the clock: what takes less is taken for that, since times are divided by one another
@@ -216,8 +215,8 @@ def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
     if outcome.motion is None:
         return outcome
     samples, reasons = outcome.motion.samples, outcome.motion.unsupported
-    of_groups = (c for c in (*samples, *reasons) if _names_a_group(scene, c))
-    asked = {*request.wanted(scene), *of_groups}
+    given = (scene.channels[name] for name in (*samples, *reasons) if name in scene.channels)
+    asked = {*request.wanted(scene), *(row.name for row in given if row.role is Role.own)}  # which nobody has to give
     motion = Motion({c: samples[c] for c in samples if c in asked}, {c: reasons[c] for c in reasons if c in asked})
     if outcome.status is not Status.ok:
         return replace(outcome, motion=_usable(motion, scene, request))
@@ -227,12 +226,6 @@ def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
         known = _usable(failure.motion, scene, request)
         return replace(outcome, status=failure.status, reason=failure.reason, found_by="checks", motion=known)
     return replace(outcome, motion=motion)
-
-
-def _names_a_group(scene: Scene, channel: str) -> bool:
-    """Whether a channel is how far a group is from a singular pose: of a point, of a body, or of two bodies."""
-    name, _, kind = channel.rpartition(".")
-    return kind in OF_GROUPS and {*name.split("/")} <= {*scene.moving_points, *scene.bodies}
 
 
 def _usable(motion: Motion | None, scene: Scene, request: Rows) -> Motion | None:
@@ -246,13 +239,14 @@ def _usable(motion: Motion | None, scene: Scene, request: Rows) -> Motion | None
 def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: bool) -> None:
     """Refuse a result that is short, holds NaN, is of other instants, repeats rows, or lacks a channel."""
     wanted = request.wanted(scene)
-    given = {quantity(channel) for channel in wanted if channel in motion}
+    rows = {name: scene.channels[name] for name in wanted}
+    given = {row.measured for name, row in rows.items() if name in motion}
     for channel in wanted:
         if channel not in motion:
             if channel not in motion.unsupported:
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
             # it may where the engine gives not every quantity, and none such of another joint
-            if everything or quantity(channel) in given or channel in ("time", scene.drive_channel):
+            if everything or rows[channel].measured in given or rows[channel].role in (Role.time, Role.input):
                 why = f"{channel} is missing, which the engine gives elsewhere: {motion.unsupported[channel]}"
                 raise Failure(Status.unsupported, why, motion)
             continue
@@ -279,7 +273,7 @@ def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: 
 def _check_rows(scene: Scene, request: Rows, motion: Motion) -> None:
     """Refuse a row that repeats the one before in all that moves, while the drive does not stand still."""
     commanded = request.commanded(scene)
-    moves = kinematic_channels(scene)[2:]  # but for time and drive
+    moves = scene.channels.names(Role.kinematic)
     if not all(channel in motion for channel in moves):  # a few may be the same on both sides of a dead point
         return
     rows = np.array([motion[channel] for channel in moves])

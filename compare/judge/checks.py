@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion, Scene
+from scenes.channels import Role
 from scenes.drive import Drive
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import Samples, kinematic_channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
 from ..mechanics.bodies import distances
@@ -81,7 +82,7 @@ def checks(
     for body in scene.bodies.values():
         if motion.samples.keys() >= closed_by(scene, body):
             violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
-    if motion.samples.keys() >= {*kinematic_channels(scene)}:
+    if motion.samples.keys() >= {*scene.channels.names(Role.time, Role.input, Role.kinematic)}:
         estimated = estimate(mechanics, motion, travel, promise, ends, scale)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         for group in SHOWN_GROUPS:  # its channel that is furthest off; one that is not a number is further than all
@@ -118,8 +119,9 @@ def closed_by(scene: Scene, body: Body) -> set[str]:
     if body.slide is not None:
         names = {body.name, body.slide.on}
         points |= set(() if body.slide.on == GROUND else scene.bodies[body.slide.on].points[:1])
-    angles = {f"{name}.angle" for name in names if name in scene.turning}
-    return angles | {f"{point}.{axis}" for point in points - set(scene.ground) for axis in "xy"}
+    known = scene.channels
+    angles = {known.bodies[name].angle for name in names if name in known.bodies}
+    return angles.union(*(known.points[point].place for point in points - set(scene.ground)))
 
 
 def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mapping[str, float]) -> Samples:
@@ -167,7 +169,7 @@ def estimate(
     scale, far = scale or scales(mechanics, closed, travel), off_origin(mechanics, motion)
     eps = [EPS * turns, *[EPS * np.maximum(turns, far)] * (len(POWERS) - 1)]  # places themselves are as large as far
     true = Motion({**closed.samples, **projection.forces})
-    errors = unresting(mechanics, closed, relative_errors(motion, true, scale))
+    errors = unresting(mechanics, closed, relative_errors(mechanics.scene.channels, motion, true, scale))
     state = MotionVectors(mechanics.scene, closed)
     units: dict[str, Samples | float] = {**scale, **mechanics.newtons, **newtons(mechanics, state)}
     loads = [*magnitudes(state, mechanics.size).values()] if mechanics.forces else []
@@ -177,7 +179,7 @@ def estimate(
         values += loads if kind == FORCES else []  # what joints carry, and what they leave that cancels in them
         rounding = eps[kind] * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
         for channel in own:
-            explained = rounding * (units[channel] / sizes(true, channel, scale[channel]))
+            explained = rounding * (units[channel] / sizes(true, mechanics.scene.channels[channel], scale[channel]))
             errors[channel] = np.where((errors[channel] <= explained) | np.isinf(condition), 0.0, errors[channel])
     if any(not error.max() <= promise for error in errors.values()):
         moved = _rounded(mechanics, motion, true, scale, ends)
@@ -194,7 +196,7 @@ def _rounded(
         at = Motion({**motion.samples, mechanics.scene.drive_channel: position, "time": time})
         projection = projected(other, at, ends)
         beside = Motion({**projection.closed.samples, **projection.forces})
-        for channel, error in relative_errors(beside, true, scale).items():
+        for channel, error in relative_errors(mechanics.scene.channels, beside, true, scale).items():
             moved[channel] = np.fmax(moved.get(channel, 0.0), error)
     return moved
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 
 from scenes import Motion
-from scenes.model.motion import UNITS, Samples, magnitudes, quantity
+from scenes.model.motion import Samples
 
 from ..engines import registry
 from ..engines.registry import Solve
@@ -35,11 +35,12 @@ def with_derived(reference: Reference, given: Collection[str]) -> Reference:
     names = [name for name in given if name not in reference.mechanics.units]
     if not names:
         return reference
-    parts = {name: both for name, both in magnitudes(reference.scene).items() if name in names}
+    channels = reference.scene.channels
+    parts = {name: both for name, both in channels.magnitudes.items() if name in names}
     likes = {name: parts[name][0] if name in parts else "" for name in names}  # a channel that it is judged as
     known, mechanics = reference.mechanics, copy(reference.mechanics)
-    mechanics.units = known.units | {name: UNITS[quantity(name)] for name in names}
-    mechanics.groups = known.groups | {name: known.groups.get(like, "position") for name, like in likes.items()}
+    mechanics.units = known.units | {name: channels[name].unit for name in names}
+    mechanics.groups = known.groups | {name: channels[name].group for name in names}
     neighbours = known.neighbours
     if neighbours and len(parts) < len(names):  # which solve the channels of engines, no angles
         neighbours = tuple(registry.reference(other.scene) for other in known.perturbed)

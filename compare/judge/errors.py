@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
-from scenes.model.motion import Samples, channels, quantity
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.registry import REFERENCE
 from ..engines.runner import ON_TIME
-from ..mechanics.mechanics import GROUPS, SHOWN_GROUPS
+from ..mechanics.mechanics import SHOWN_GROUPS
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained
 
@@ -84,15 +84,15 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
     scene = reference.scene
     if not scene.steady:  # a law's rests are no toggles
         steady = ConstantSpeed(1.0, *scene.drive.law.extent)
-        velocity = frozenset((f"{scene.output}.vx", f"{scene.output}.vy"))
+        velocity = frozenset(scene.channels.points[scene.output].velocity)
         steadily = registry.reference(scene.with_law(steady), velocity)
         motion = steadily(motion[scene.drive_channel], motion["time"])
-    return np.hypot(motion[f"{scene.output}.vx"], motion[f"{scene.output}.vy"])
+    return np.hypot(*(motion[name] for name in scene.channels.points[scene.output].velocity))
 
 
 def shown_groups(scene: Scene) -> tuple[str, ...]:
     """The groups that a scene has channels of, in the order of the tables; the drive has a torque or a force."""
-    known = {GROUPS[quantity(channel)] for channel in channels(scene) if channel != "time"}
+    known = {scene.channels[name].group for name in scene.channels.names()}
     return tuple(group for group in SHOWN_GROUPS if group in known)
 
 

@@ -90,10 +90,10 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
     moved, explained = _meanwhile(reference, halves["time"], true), explain(reference, request)
     written: dict[str, Samples] = {}
     for channel in reference.mechanics.groups:
-        stem, axis = channel[:-1], channel[-1]
-        both = (stem + "x", stem + "y") if axis in "xy" else (channel,)
+        row = reference.scene.channels[channel]
+        both = row.components if row.axis else (channel,)
         half = np.linalg.norm([halves[c] for c in both if c in halves] or [np.zeros(1)], axis=0)
-        relative = half / sizes(true, channel, reference.scale[channel]) + moved.get(channel, 0.0)
+        relative = half / sizes(true, row, reference.scale[channel]) + moved.get(channel, 0.0)
         written[channel] = np.minimum(relative, MOST * np.maximum(explained.terms.get(channel, 1.0), 1.0))
     return replace(explained, written=written)
 
@@ -104,7 +104,7 @@ def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, S
     for sign in (1, -1) if position.any() else ():
         with suppress(Failure):  # beyond the end of the drive
             other = reference.at(true[reference.scene.drive_channel] + sign * position, true["time"] + sign * time)
-            for channel, error in relative_errors(other, true, reference.scale).items():
+            for channel, error in relative_errors(reference.scene.channels, other, true, reference.scale).items():
                 moved[channel] = np.maximum(moved.get(channel, 0.0), error)
     return moved
 

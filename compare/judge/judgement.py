@@ -114,7 +114,7 @@ def _agree(reference: Reference, one: Run, other: Run) -> bool:
     """Whether two runs of the same instants are within the sum of their promises of each other."""
     if one.motion is None or other.motion is None or one.settings is None or other.settings is None:
         return False
-    errors = relative_errors(one.motion, other.motion, reference.scale)
+    errors = relative_errors(reference.scene.channels, one.motion, other.motion, reference.scale)
     return bool(np.max([*map(np.max, errors.values())]) <= one.settings.promise + other.settings.promise)
 
 

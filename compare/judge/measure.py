@@ -9,11 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
-from scenes.model.motion import quantity
 
 from ..engines.registry import REFERENCE, tiers
 from ..engines.runner import HERE, Run, Runs, complete
-from ..mechanics.mechanics import GROUPS, Mechanics
+from ..mechanics.mechanics import Mechanics
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import travels
@@ -219,7 +218,7 @@ def gates(
     scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[str] | None = None, doubt: str = ""
 ) -> Iterator[Gate]:
     """Yield every tolerance of the engines that ran, in the wanted channels or all; in a doubt none is held."""
-    groups = {GROUPS[quantity(channel)] for channel in wanted or ()}
+    groups = {scene.channels[name].group for name in wanted or ()}
     for measurement in measurements:
         run, errors = measurement.run, by_group(measurement.errors)
         for group, tolerance in scene.tolerances.get(run.engine, {}).items():

@@ -53,7 +53,7 @@ def coefficients(reference: Reference) -> Iterator[str]:
     """A coefficient of friction that no pair of machine parts has."""
     for friction in reference.scene.friction:
         if friction.coefficient > MAX_COEFFICIENT:
-            joint = friction.channel(reference.scene).rpartition(".")[0]
+            joint = friction.joint(reference.scene)
             yield f"the coefficient of friction at {joint} is {friction.coefficient:g}; steel on steel has 0.1 to 0.8"
 
 

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenes import Motion, Sampling, Scene
+from scenes.channels import TRANSMISSION
 from scenes.model.enclosures import Enclosure, Enclosures
-from scenes.model.motion import TRANSMISSION, UNITS, Samples, magnitudes, quantity
+from scenes.model.motion import Samples
 from scenes.scene import LimitTable
 
 from ..mechanics.axis import axis, cycle_name, grouped
@@ -51,7 +52,8 @@ def asked(scene: Scene, sampling: Sampling) -> frozenset[str] | None:
     """The channels asked for and the magnitudes that these make; None where all are."""
     if sampling.channels is None:
         return None
-    return sampling.channels.union(name for name, of in magnitudes(scene).items() if sampling.channels.issuperset(of))
+    made = (name for name, both in scene.channels.magnitudes.items() if sampling.channels.issuperset(both))
+    return sampling.channels.union(made)
 
 
 class LimitsVerdict(NamedTuple):
@@ -91,13 +93,13 @@ def held(
             continue
         rows = [known.get((name, end), Enclosure(name, end, -inf, inf, nan, nan)) for end in ("least", "most")]
         sampled, turn = [run.of(scene, name) for run in runs], 0.0
-        if quantity(name) == "angle":
+        if scene.channels[name].modulo_turn:
             first, last = rows[0].low, rows[1].high
             if not isfinite(first + last) and sampled and sampled[0].size:
                 first, last = float(sampled[0].min()), float(sampled[0].max())
             turn = tau * whole_turns(first, last, limits)
             sampled = [values + tau * np.round(((first + last) / 2 + turn - values) / tau) for values in sampled]
-        part = _part(scene, proof) if UNITS[quantity(name)] in FORCES else ""
+        part = _part(scene, proof) if scene.channels[name].unit in FORCES else ""
         for row, limit, sign in zip(rows, (limits.least, limits.most), (-1, 1), strict=True):
             if limit is not None:
                 moved = row._replace(low=row.low + turn, high=row.high + turn)
@@ -166,7 +168,7 @@ def met(scene: Scene, motion: Motion) -> Any:
     within = np.ones(len(motion["time"]), np.bool_)
     for name, limit in scene.limits.items():
         values = values_of(scene, name, motion)
-        if quantity(name) == "angle":
+        if scene.channels[name].modulo_turn:
             ends = zip(values.min(axis=-1).tolist(), values.max(axis=-1).tolist(), strict=True)
             values = values + tau * np.array([[whole_turns(*each, limit)] for each in ends])
         within &= (limit.least is None) | (values >= (limit.least or 0.0)).all(axis=-1)
@@ -179,16 +181,16 @@ def values_of(scene: Scene, name: str, motion: Motion) -> Samples:
     own = [motion[channel] for channel in channels_of(scene, name, motion.samples)]
     if not own:
         return np.full((*motion["time"].shape[:-1], 1), nan)
-    if quantity(name) == "angle":
+    if scene.channels[name].modulo_turn:
         return np.unwrap(own[0], axis=-1)
-    return np.asarray(np.hypot(*own) if name in magnitudes(scene) else np.min(own, axis=0))
+    return np.asarray(np.hypot(*own) if name in scene.channels.magnitudes else np.min(own, axis=0))
 
 
 def channels_of(scene: Scene, name: str, known: Iterable[str]) -> Sequence[str]:
     """The channels that a channel or a magnitude is of: of the least transmission angle those that are known."""
     if name == TRANSMISSION:
-        return [channel for channel in known if quantity(channel) == TRANSMISSION]
-    return magnitudes(scene).get(name, (name,))
+        return [channel for channel in known if scene.channels[channel].quantity == TRANSMISSION]
+    return scene.channels.magnitudes.get(name, (name,))
 
 
 def place(scene: Scene, ends: tuple[float, float]) -> str:

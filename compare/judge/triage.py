@@ -7,11 +7,11 @@ from math import remainder, tau
 import numpy as np
 
 from scenes import Failure, Motion, Rows, Status
-from scenes.model.motion import quantity
+from scenes.channels import TO_LOCK
 
 from ..engines.registry import REFERENCE
 from ..mechanics.reference import Reference
-from .causes.cause import UNKNOWN, Cause, Kind, stem
+from .causes.cause import UNKNOWN, Cause, Kind
 from .causes.evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, away_from_switches, evidence, price
 from .causes.forces import force_causes, late_loads
 from .causes.numbers import affordable, number_causes
@@ -58,7 +58,7 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
     try_all(elsewhere, force_causes)
     try_all(evidence, late_loads)
     # Costly ones are tried where no plain one explains what one body or joint has.
-    many = len({stem(channel) for channel in evidence.names}) > FEW
+    many = len({evidence.channels[name].owner for name in evidence.names}) > FEW
     if not (many and any(left <= ROUGHLY and one.cause.place != "all" for left, one in known)):
         try_all(evidence, drive_causes)
         try_all(affordable(elsewhere), number_causes)
@@ -122,7 +122,8 @@ def near_singular(reference: Reference, failed: Measurement) -> str:
     to a singular configuration. No finer settings help there, as they would were they too coarse: a length that is off
     by that distance makes another linkage of it.
     """
-    locks = {name: values for name, values in reference.cycle.samples.items() if quantity(name) == "to_lock"}
+    channels = reference.scene.channels
+    locks = {name: v for name, v in reference.cycle.samples.items() if channels[name].quantity == TO_LOCK}
     if failed.comparison is None or not locks or failed.run.status not in LEFT:
         return ""
     scene, least = reference.scene, {name: float(np.nanmin(values)) for name, values in locks.items()}

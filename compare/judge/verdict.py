@@ -75,9 +75,8 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
     """
     if run.status is not Status.ok:
         return run
-    for point in scene.moving_points:
-        both = (f"{point}.x", f"{point}.y")
-        places = [comparison.actual[channel] for channel in both if channel in comparison.actual]
+    for point, names in scene.channels.points.items():
+        places = [comparison.actual[channel] for channel in names.place if channel in comparison.actual]
         far = np.max(places, axis=0, initial=0.0)
         if not far.max() <= ELSEWHERE:
             first = scene.where(float(comparison.position[(~(far <= ELSEWHERE)).argmax()]))

@@ -7,7 +7,7 @@ last and stays at zero. With r the arms of points from the first ones of their b
     θᵢ - θⱼ = 0                                                       no turn.
 
 A pin has two distances, a guide one across it and a turn, the drive one along its guide or a turn, less its position.
-They are in the order of `scenes.model.motion.force_channels`, and as many as coordinates, m, where the linkage has one
+They are in the order of `scenes.channels.Role.force`, and as many as coordinates, m, where the linkage has one
 degree of freedom and no constraint too many.
 
 One step of Newton's method closes the joints of computed poses with the drive where it is. In the poses found rates and

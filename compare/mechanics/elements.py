@@ -144,7 +144,7 @@ def pulled(
         towards = state.place(other) - z
         distance = np.abs(towards)
         unit = towards / np.where(distance > 0, distance, 1.0)
-        rate = ((state.place(other, "v") - v) * unit.conj()).real
+        rate = ((state.place(other, 1) - v) * unit.conj()).real
         yield Push(body, pull(distance, rate) * unit, z, 0.0, v, pair.label)
 
 
@@ -177,9 +177,9 @@ def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
 def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     """Positions of the drive over one cycle, increasing, and the angles there, from - pi to pi at time zero."""
     places, signs = np.linspace(*scene.drive.law.extent, STEPS + 1), {spring.second: 1, spring.first: -1}
-    solve = registry.reference(scene, frozenset(f"{name}.angle" for name in signs if name in scene.turning))
-    motion = solve(places, np.zeros_like(places))
-    turning = (signs[name] * motion[f"{name}.angle"] for name in signs if name in scene.turning)
+    names = {scene.channels.bodies[body].angle: sign for body, sign in signs.items() if body in scene.turning}
+    motion = registry.reference(scene, frozenset(names))(places, np.zeros_like(places))
+    turning = (sign * motion[name] for name, sign in names.items())
     angles = np.unwrap(sum(turning, np.zeros_like(places)))
     start = float(np.interp(inputs_of(scene, 0.0).driven().position, places, angles))
     return places, angles - 2 * pi * ceil((start - pi - HAIR) / (2 * pi))
@@ -241,7 +241,7 @@ def inertial(state: MotionVectors) -> Iterator[Push]:
     """Yield the inertia of each body as a force and a couple on it, against its accelerations (d'Alembert)."""
     for name, body in state.scene.bodies.items():
         z, v, a = state.com(body)
-        couple = -inertia(body) * state.angle(name, "alpha")
+        couple = -inertia(body) * state.angle(name, 2)
         yield Push(name, -(body.mass or 0.0) * a, z, couple, v, f"the inertia of {name}")
 
 
@@ -259,11 +259,12 @@ def of_joints(state: MotionVectors) -> Iterator[Push]:
     """Yield what pins, guides and the drive do on the bodies that they are between."""
     scene, motion = state.scene, state.motion
     between: list[tuple[str, str, str, Vectors, Samples | float]] = [
-        (pin.second, pin.first, pin.point, state.vector(f"{pin.channel}.", "fx", "fy"), 0.0) for pin in scene.pins
+        (pin.second, pin.first, pin.point, state.vector(*scene.channels.pins[pin.channel]), 0.0) for pin in scene.pins
     ]
     for name, slide in scene.slides.items():
-        across = motion[f"{name}.guide_force"] * 1j * state.along(scene.bodies[name])
-        between.append((name, slide.on, scene.bodies[name].points[0], across, motion[f"{name}.guide_moment"]))
+        guide = scene.channels.guides[name]
+        across = motion[guide.force] * 1j * state.along(scene.bodies[name])
+        between.append((name, slide.on, scene.bodies[name].points[0], across, motion[guide.moment]))
     for drive in scene.drives:
         driven, effort, turns = scene.bodies[drive.body], motion[drive.effort_channel], drive.slide is None
         push: Vectors = np.zeros(effort.shape, np.complex128) if turns else effort * state.along(driven)
@@ -276,7 +277,7 @@ def of_joints(state: MotionVectors) -> Iterator[Push]:
 
 def power_of(state: MotionVectors, push: Push) -> Samples:
     """The power of what acts on a body from without, or of its inertia, W."""
-    return (push.velocity.conjugate() * push.force).real + push.moment * state.angle(push.body, "omega")
+    return (push.velocity.conjugate() * push.force).real + push.moment * state.angle(push.body, 1)
 
 
 def drive_power(state: MotionVectors) -> Samples:

@@ -28,7 +28,7 @@ def resting(state: MotionVectors) -> NDArray[np.bool_]:
     """Where the sense of a joint's motion is not known, so that nothing is judged by the forces; shape (n,)."""
     scene = state.scene
     turning = np.max([np.abs(state.turning(body)[1]) for body in scene.bodies], axis=0)
-    moving = np.max([np.abs(state.place(point, "v")) for point in scene.moving_points], axis=0)
+    moving = np.max([np.abs(state.place(point, 1)) for point in scene.moving_points], axis=0)
     inputs = inputs_of(scene, state.motion["time"])
     rates = [inputs.driven(number).rate / drive.law.peak_rate for number, drive in enumerate(scene.drives)]
     slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= SLOW

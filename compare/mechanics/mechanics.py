@@ -6,21 +6,13 @@ from functools import cached_property
 import numpy as np
 
 from scenes import Failure, Motion, Scene
+from scenes.channels import Role
 from scenes.fields import Number, put
-from scenes.model.motion import UNITS, Samples, channels, force_channels, friction_channels, quantity
+from scenes.model.motion import Samples
 
 from ..engines import registry
 from .axis import axis
 from .constraints import Constraints
-
-GROUPS: Mapping[str, str] = (
-    dict.fromkeys(("x", "y", "angle"), "position")
-    | dict.fromkeys(("vx", "vy", "omega"), "velocity")
-    | dict.fromkeys(("ax", "ay", "alpha"), "acceleration")
-    | dict.fromkeys(("fx", "fy", "guide_force", "guide_moment"), "reaction")
-    | dict.fromkeys(("friction_moment", "friction_force", "power"), "reaction")
-    | {"torque": "torque", "force": "force", "crank_angle": "drive", "displacement": "drive"}
-)  # by quantity; every channel but the time is judged in one
 
 SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque", "force")  # the drive is an input
 
@@ -39,10 +31,11 @@ class Mechanics:
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.axis, self.presses = scene, axis(scene), [*scene.presses.values()]
-        self.forces = force_channels(scene)  # one a constraint; none without masses
-        self.friction = friction_channels(scene)
-        self.units = {c: UNITS[quantity(c)] for c in channels(scene)}  # by channel, in the order of the files
-        self.groups = {c: GROUPS[quantity(c)] for c in self.units if c != "time"}  # in which each channel is judged
+        self.forces = scene.channels.names(Role.force)  # one a constraint; none without masses
+        self.friction = scene.channels.names(Role.friction)
+        known = {name: scene.channels[name] for name in scene.channels.names()}
+        self.units = {name: channel.unit for name, channel in known.items()}  # by channel, in the order of the files
+        self.groups = {name: channel.group for name, channel in known.items() if channel.group}  # of all but the time
         bodies, moving = scene.bodies, {*scene.moving_points}
         self.along_guides = {  # by body that slides its moving points, and those of the body that it slides on
             name: tuple(p for each in (name, slide.on) if each in bodies for p in bodies[each].points if p in moving)

@@ -31,27 +31,28 @@ class MotionVectors:
     motion: Motion
     acting: Sequence[NDArray[np.bool_]] = ()  # whether each of the scene's press forces acts
 
-    def vector(self, stem: str, x: str, y: str) -> Vectors:
+    def vector(self, x: str, y: str) -> Vectors:
         """Two channels as one vector."""
-        return self.motion[f"{stem}{x}"] + 1j * self.motion[f"{stem}{y}"]
+        return self.motion[x] + 1j * self.motion[y]
 
-    def place(self, point: str, rate: str = "") -> Vectors:
-        """Where a point is, or of `v` and `a` its velocity and acceleration."""
+    def place(self, point: str, order: int = 0) -> Vectors:
+        """Where a point is, or of order 1 and 2 its velocity and acceleration."""
         if point in self.scene.ground:
-            return np.full(self.motion["time"].shape, 0j if rate else plane(self.scene.ground[point]))
-        return self.vector(f"{point}.", f"{rate}x", f"{rate}y")
+            return np.full(self.motion["time"].shape, 0j if order else plane(self.scene.ground[point]))
+        return self.vector(*self.scene.channels.points[point][order])
 
     def point(self, point: str) -> tuple[Vectors, Vectors, Vectors]:
         """Position, velocity and acceleration."""
-        return self.place(point), self.place(point, "v"), self.place(point, "a")
+        return self.place(point), self.place(point, 1), self.place(point, 2)
 
-    def angle(self, body: str, of: str = "angle") -> Samples:
-        """The angle of a body's x axis, or of the ground's; or `omega` or `alpha`."""
-        return self.motion[f"{body}.{of}"] if body in self.scene.turning else np.zeros(self.motion["time"].shape)
+    def angle(self, body: str, order: int = 0) -> Samples:
+        """The angle of a body's x axis, or of the ground's; or of order 1 and 2 its rate and acceleration."""
+        turning = self.scene.channels.bodies
+        return self.motion[turning[body][order]] if body in turning else np.zeros(self.motion["time"].shape)
 
     def turning(self, body: str) -> tuple[Samples, Samples, Samples]:
         """Angle, omega and alpha of a body or the ground."""
-        return self.angle(body), self.angle(body, "omega"), self.angle(body, "alpha")
+        return self.angle(body), self.angle(body, 1), self.angle(body, 2)
 
     def com(self, body: Body) -> tuple[Vectors, Vectors, Vectors]:
         """Position, velocity and acceleration of the centre of mass; of uniform bodies, the corners' mean."""
@@ -104,7 +105,7 @@ class MotionVectors:
     def stroke_end(self, load: PressForce) -> float:
         """Where the closing stroke ends, m: a sample, or a dead point between two, for which a cycle is needed."""
         body = self.scene.bodies[load.body]
-        second = (self.place(body.points[0], "a") * self.along(body).conj()).real  # on the ground
+        second = (self.place(body.points[0], 2) * self.along(body).conj()).real  # on the ground
         x, v, a = (load.closing * samples for samples in (*self.displacement(body), second))
         h = np.diff(self.motion["time"])
         turns = np.flatnonzero((v[:-1] > 0) & (v[1:] < 0))

@@ -58,18 +58,17 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
 def _kinematics(mechanics: Mechanics, poses: ClosedPoses) -> dict[str, Samples]:
     scene, constraints, channels = mechanics.scene, mechanics.constraints, dict[str, Samples]()
     (z, angle), (dz, omega), (ddz, alpha) = (planes(of) for of in (poses.q, poses.v, poses.a))
-    for point in scene.moving_points:
+    for point, names in scene.channels.points.items():
         name = scene.owners[point][0]
         k = constraints.bodies[name]
         arm = constraints.arms[name][point] / mechanics.size * np.exp(1j * angle[:, k])
         spin = 1j * omega[:, k]
         vectors = z[:, k] + arm, dz[:, k] + spin * arm, ddz[:, k] + (1j * alpha[:, k] + spin**2) * arm
-        for order, vector in zip(("", "v", "a"), vectors, strict=True):
-            channels[f"{point}.{order}x"] = mechanics.size * vector.real
-            channels[f"{point}.{order}y"] = mechanics.size * vector.imag
-    for name in scene.turning:
+        for (x, y), vector in zip(names, vectors, strict=True):
+            channels |= {x: mechanics.size * vector.real, y: mechanics.size * vector.imag}
+    for name, rates in scene.channels.bodies.items():
         k = constraints.bodies[name]
-        channels |= {f"{name}.angle": angle[:, k], f"{name}.omega": omega[:, k], f"{name}.alpha": alpha[:, k]}
+        channels |= zip(rates, (angle[:, k], omega[:, k], alpha[:, k]), strict=True)
     return channels
 
 

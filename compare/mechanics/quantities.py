@@ -15,7 +15,6 @@ import numpy as np
 
 from scenes import Scene
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import UNITS, quantity, unit_of
 from scenes.scene import SI
 
 from .axis import fixed, prefixed
@@ -41,8 +40,9 @@ def units(reference: Reference) -> Units:
     """
     cycle, scene, sizes = reference.cycle, reference.scene, list[tuple[str, float]]()
     for channel, size in reference.scale.items():
-        unit = UNITS[quantity(channel)]
-        sizes.append((unit, float(magnitude(cycle, channel).max()) if unit in RATES and channel in cycle else size))
+        row = reference.scene.channels[channel]
+        unit = row.unit
+        sizes.append((unit, float(magnitude(cycle, row).max()) if unit in RATES and channel in cycle else size))
     if (effort := reference.scene.effort_channel) in cycle:
         power = np.abs(cycle[effort] * inputs_of(scene, cycle["time"]).driven().rate)
         sizes += [("W", float(power.max())), ("J", float(power.mean()) * scene.cycle)]
@@ -93,9 +93,9 @@ def spelled(unit: str) -> str:
 
 def limited(scene: Scene, name: str, shown: Units) -> tuple[float, str]:
     """The factor from SI to the unit shown of a channel or magnitude, and its name; else those of the file's."""
-    if (known := shown.get(UNITS[quantity(name)])) is not None:
+    if (known := shown.get(scene.channels[name].unit)) is not None:
         return known
-    unit, size = unit_of(scene, name)
+    unit, size = scene.unit_of(name)
     return 1 / size, named(unit)
 
 

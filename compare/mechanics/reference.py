@@ -71,7 +71,7 @@ class Reference:
         forces are compared with those on the side where they fit best.
         """
         fitting = self.fitting(motion, true, self.acts(true) if may is None else may)
-        return unresting(self.mechanics, true, relative_errors(motion, fitting, self.scale))
+        return unresting(self.mechanics, true, relative_errors(self.scene.channels, motion, fitting, self.scale))
 
     def fitting(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> Motion:
         """`true`, with the forces on a press force's switch those of the side where the motion's fit best."""
@@ -84,7 +84,8 @@ class Reference:
         position, time = true[self.scene.drive_channel][rows], true["time"][rows]
 
         def off(side: Mapping[str, Samples]) -> Samples:
-            return np.asarray(sum(relative_errors(there, Motion({"time": time, **side}), self.scale).values()))
+            other = Motion({"time": time, **side})
+            return np.asarray(sum(relative_errors(self.scene.channels, there, other, self.scale).values()))
 
         def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
             other = np.empty((len(forces), rows.size))
@@ -132,7 +133,8 @@ def uncertified(scene: Scene) -> Reference:
     registry.check_way(solve)
     motion = solve(sampling.commanded(scene), sampling.times(scene))
     output, travel = scene.output, travels(scene, motion)
-    stroke = abs(chord(motion[f"{output}.x"] + 1j * motion[f"{output}.y"]))
+    x, y = scene.channels.points[output].place
+    stroke = abs(chord(motion[x] + 1j * motion[y]))
     if not stroke > 0:
         raise InputError(f"{scene.file}: output: {output} does not move; expected a point that does")
     scale, ends = scales(mechanics, motion, travel), MotionVectors(scene, motion).stroke_ends()

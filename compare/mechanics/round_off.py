@@ -81,7 +81,7 @@ def explain(reference: Reference, sampling: Rows) -> Explained:
     size = forces[strongest].max() if forces else 0.0
     units: dict[str, Samples | float] = {**mechanics.newtons, **newtons(mechanics, state)}
     terms = {
-        channel: largest * unit / sizes(true, channel, reference.scale[channel])
+        channel: largest * unit / sizes(true, reference.scene.channels[channel], reference.scale[channel])
         for channel, unit in units.items()
         if channel in true
     }

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.model.motion import Samples, quantity
+from scenes.channels import TIME, Channel, Channels, Role
+from scenes.model.motion import Samples
 
 from .contacts import CONTACTS
 from .elements import magnitudes
@@ -17,11 +18,6 @@ FAR = 10.0  # sizes of a linkage off the origin, within which its places are rou
 LEAST = 1e-2  # of the largest travel: what a point's own is taken for at least
 NOTHING = 1e-12  # of the largest force: what a joint carries that carries but round-off
 REST = 1e-6  # of T w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
-POWERS = {"x": 0, "y": 0, "vx": 1, "vy": 1, "ax": 2, "ay": 2}  # of w, in what points are scaled by
-TURNING = ("angle", "omega", "alpha")  # by power of w
-SECOND = (".ax", ".ay", ".alpha")  # channels of accelerations
-PLACES = (".x", ".y", ".angle")  # channels whose magnitude depends on where one counts from
-DRIVEN = ("crank_angle", "drive.displacement")
 
 
 def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) -> dict[str, float]:
@@ -30,11 +26,11 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
     Points are scaled by their own travel T, T w and T w^2; turning by 1 rad, w and w^2; forces by the peak magnitude of
     their pin, guide or drive. w is the crank's peak rate, or that of a driven slider over its travel.
     """
-    forces = (*mechanics.forces, *mechanics.friction)
-    peaks = {channel: float(magnitude(motion, channel).max()) for channel in forces}
-    for slider, points in mechanics.along_guides.items() if peaks else ():
-        natural = max(travel[point] for point in points) * peaks[f"{slider}.guide_force"]
-        peaks[f"{slider}.guide_moment"] = max(peaks[f"{slider}.guide_moment"], natural)  # often zero by symmetry
+    channels = mechanics.scene.channels
+    peaks = {name: float(magnitude(motion, channels[name]).max()) for name in (*mechanics.forces, *mechanics.friction)}
+    for slider, (force, moment) in channels.guides.items():
+        natural = max(travel[point] for point in mechanics.along_guides[slider]) * peaks[force]
+        peaks[moment] = max(peaks[moment], natural)  # often zero by symmetry
     for one in mechanics.scene.friction:
         arm = 1.0 if CONTACTS[type(one)].turns else max(travel.values())
         if np.abs(rate(MotionVectors(mechanics.scene, motion), one)).max() <= REST * arm * mechanics.scene.pace:
@@ -47,9 +43,12 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
 def _kinematic(mechanics: Mechanics, travel: Mapping[str, float]) -> dict[str, float]:
     """What errors of all channels but forces are divided by."""
     scene, w = mechanics.scene, mechanics.scene.pace
-    scale = {"time": scene.cycle, scene.drive_channel: mechanics.way}
-    scale |= {f"{point}.{of}": T * w**power for point, T in travel.items() for of, power in POWERS.items()}
-    return scale | {f"{body}.{of}": w**power for body in scene.turning for power, of in enumerate(TURNING)}
+    scale = {TIME: scene.cycle, scene.channels.drive.position: mechanics.way}
+    for point, T in travel.items():
+        scale |= {name: T * w**order for order, both in enumerate(scene.channels.points[point]) for name in both}
+    for rates in scene.channels.bodies.values():
+        scale |= {name: w**order for order, name in enumerate(rates)}
+    return scale
 
 
 def force_scales(
@@ -68,69 +67,76 @@ def force_scales(
     largest = max(strongest, *peaks.values()) if peaks else 0.0
     heaviest = max(body.mass or 0.0 for body in mechanics.scene.bodies.values())
     natural = heaviest * max(travel.values()) * mechanics.scene.pace**2
-    known = _kinematic(mechanics, travel)
-    still = (np.abs(motion[c]).max() <= REST * known[c] for c in motion.samples if c in known and c.endswith(SECOND))
+    known, channels = _kinematic(mechanics, travel), mechanics.scene.channels
+    second = [name for name in motion.samples if name in known and channels[name].order == 2]
+    still = (np.abs(motion[name]).max() <= REST * known[name] for name in second)
     if largest <= REST * natural and all(still):
         return dict.fromkeys(peaks, min(natural, 1.0) or 1.0)
     largest = largest or 1.0
     return {name: peak if peak > NOTHING * largest else largest for name, peak in peaks.items()}
 
 
-def magnitude(motion: Motion, channel: str) -> Samples:
+def magnitude(motion: Motion, channel: Channel) -> Samples:
     """The magnitude of the vector of a component, of the channel itself otherwise, shape (n,)."""
-    stem, axis = channel[:-1], channel[-1]
-    return np.hypot(motion[stem + "x"], motion[stem + "y"]) if axis in "xy" else np.abs(motion[channel])
+    if not channel.axis:
+        return np.abs(motion[channel.name])
+    x, y = channel.components
+    return np.hypot(motion[x], motion[y])
 
 
-def sizes(true: Motion, channel: str, scale: float) -> Samples:
-    """What errors of a channel are divided by, shape (n,): the larger of its scale and of its magnitude there."""
-    if channel.endswith(PLACES):  # which have no magnitude; that of the drive is how far it has come
+def sizes(true: Motion, channel: Channel, scale: float) -> Samples:
+    """What errors of a channel are divided by, shape (n,): the larger of its scale and of its magnitude there.
+
+    Places and angles have no magnitude, which would depend on where one counts from. The drive's is how far it came.
+    """
+    if channel.role is Role.input:
+        return np.maximum(scale, np.abs(true[channel.name] - true[channel.name][:1]))
+    if channel.order == 0:
         return np.full(true["time"].shape, scale)
-    if channel in DRIVEN:
-        return np.maximum(scale, np.abs(true[channel] - true[channel][:1]))
     return np.maximum(scale, magnitude(true, channel))
 
 
-def relative_errors(motion: Motion, true: Motion, scale: Mapping[str, float]) -> dict[str, Samples]:
+def relative_errors(channels: Channels, motion: Motion, true: Motion, scale: Mapping[str, float]) -> dict[str, Samples]:
     """The error of each channel over its size, each of shape (n,); that of a component is its vector's.
 
     Angles are compared modulo one turn. The time is an input, and what only one model returns has no scale: neither is
     compared.
     """
-    judged = [channel for channel in motion.samples if channel != "time" and channel in scale and channel in true]
+    judged = [name for name in motion.samples if name != TIME and name in scale and name in true]
     errors: dict[str, Samples] = {}
-    for channel in judged:
-        stem, axis = channel[:-1], channel[-1]
-        other = stem + {"x": "y", "y": "x"}[axis] if axis in "xy" else ""
-        if other in errors and scale[other] == scale[channel]:
-            errors[channel] = errors[other]  # the same array: errors are half of what a long run keeps in memory
+    for name in judged:
+        channel = channels[name]
+        other = next((each for each in channel.components if each != name), "") if channel.axis else ""
+        if other in errors and scale[other] == scale[name]:
+            errors[name] = errors[other]  # the same array: errors are half of what a long run keeps in memory
             continue
-        pair = motion[channel], true[channel]
-        distance = np.abs(pair[0] - pair[1] if channel in DRIVEN else apart(channel, *pair))  # a drive counts its turns
+        pair = motion[name], true[name]
+        distance = np.abs(apart(channel, *pair) if channel.modulo_turn else pair[0] - pair[1])  # a drive counts turns
         if other in judged:
             distance = np.hypot(distance, motion[other] - true[other])
-        errors[channel] = distance / sizes(true, channel, scale[channel])
+        errors[name] = distance / sizes(true, channel, scale[name])
     return errors
 
 
-def apart(channel: str, one: Samples, other: Samples) -> Samples:
-    """By how much samples of a channel are more than others, angles modulo one turn."""
+def apart(channel: Channel, one: Samples, other: Samples) -> Samples:
+    """By how much samples of a channel are more than others, directions modulo one turn."""
     difference = one - other
-    of_angle = quantity(channel) in ("angle", "crank_angle")
-    return np.remainder(difference + np.pi, 2 * np.pi) - np.pi if of_angle else difference
+    return np.remainder(difference + np.pi, 2 * np.pi) - np.pi if channel.is_angle else difference
 
 
 def off_origin(mechanics: Mechanics, motion: Motion) -> Samples:
     """How far off the origin places are, in sizes of the linkage, one at least: they are rounded by as much."""
-    places = [np.hypot(motion[f"{p}.x"], motion[f"{p}.y"]) for p in mechanics.scene.moving_points]
+    points = mechanics.scene.channels.points.values()
+    places = [np.hypot(*(motion[name] for name in names.place)) for names in points]
     off: Samples = np.max(places, axis=0) / mechanics.size
     return np.where(off > FAR, off, 1.0)
 
 
 def travels(scene: Scene, motion: Motion) -> dict[str, float]:
     """The largest distance between two positions of each point of a motion, m, no less than `LEAST` of the largest."""
-    known = [point for point in scene.moving_points if {f"{point}.x", f"{point}.y"} <= motion.samples.keys()]
-    own = {point: abs(chord(motion[f"{point}.x"] + 1j * motion[f"{point}.y"])) for point in known}
+    places = {point: names.place for point, names in scene.channels.points.items()}
+    known = {point: both for point, both in places.items() if {*both} <= motion.samples.keys()}
+    own = {point: abs(chord(motion[x] + 1j * motion[y])) for point, (x, y) in known.items()}
     least = LEAST * max(own.values(), default=0.0)
     return {point: max(travel, least) for point, travel in own.items()}
 

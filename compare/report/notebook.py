@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from scenes.channels import TIME
 from scenes.errors import nearest
-from scenes.model.motion import UNITS, quantity, sparkline
+from scenes.model.motion import sparkline
 from scenes.scene import SI
 
 from ..judge.errors import ChannelError
@@ -57,10 +58,10 @@ class CheckResult(Study):
         from .figures.curves import Panel, PlottedCurve, over_angle
         from .figures.offline import offline  # late: the library of figures takes longest to import
 
-        known = self.sampling.wanted(self.scene)[1:]
+        known = [name for name in self.sampling.wanted(self.scene) if name != TIME]
         if channel not in known:
             raise KeyError(f"{channel}: no such channel{nearest(channel, known)}")
-        si = UNITS[quantity(channel)]
+        si = self.scene.channels[channel].unit
         factor, unit = units(self.reference).get(si) or prefixed(self.reference.scale[channel], si)
         curve = PlottedCurve(channel, unit, {channel: factor})
         return offline(over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,))))

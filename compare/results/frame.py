@@ -14,12 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenes.model.motion import Samples, quantity
-
-COMPONENTS = {f"{of}{axis}" for of in ("", "v", "a", "f", "guide_f") for axis in "xy"}
-ANGLES = ("angle", "crank_angle")
-MOMENTS = ("guide_moment", "torque")
-TURNING = ("omega", "alpha", "guide_force", *MOMENTS)  # of the opposite sign where a frame is mirrored
+from scenes.channels import Channels, Role
+from scenes.model.motion import Samples
 
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
 OF_ANGLES = {"rad": 1.0, "deg": pi / 180}
@@ -48,27 +44,29 @@ class Frame(NamedTuple):
     relative: bool = False  # whether the drive's angle is between two bodies, which turn alike
 
 
-def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
+def seen(channels: Channels, frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
     """Return channels as seen from another frame; a component without its other one is that of a vector along it."""
     way, turn, other = -1 if frame.mirrored else 1, np.exp(1j * frame.angle), dict(samples)
-    for channel, own in samples.items():
-        kind = quantity(channel)
-        if kind in ANGLES:
-            other[channel] = way * own + (0.0 if frame.relative and kind == "crank_angle" else frame.angle)
-        elif kind in TURNING:
-            other[channel] = way * own * (frame.factor if kind in MOMENTS else 1.0)
-    for x, y in vectors(samples):
+    for name, own in samples.items():
+        channel = channels[name]
+        is_moment = channel.role is Role.force and channel.unit == "N*m"
+        if channel.is_angle:
+            other[name] = way * own + (0.0 if frame.relative and channel.role is Role.input else frame.angle)
+        elif is_moment or channel.kind == "body" or (channel.role is Role.force and channel.kind == "guide"):
+            other[name] = way * own * (frame.factor if is_moment else 1.0)  # its sign is that of a turning
+    for x, y in vectors(channels, samples):
         zero = 0 * samples[x if x in samples else y]
         vector = turn * (samples.get(x, zero) + way * 1j * samples.get(y, zero))
-        if quantity(x) not in ("fx", "guide_fx"):
-            vector = frame.factor * vector + (frame.origin if quantity(x) == "x" else 0)
+        if not channels[x].is_force:
+            vector = frame.factor * vector + (frame.origin if channels[x].order == 0 else 0)
         other |= {c: part for c, part in ((x, vector.real), (y, vector.imag)) if c in samples}
     return other
 
 
-def vectors(names: Iterable[str]) -> Iterator[tuple[str, str]]:
+def vectors(channels: Channels, names: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Yield the two components of each vector of which there is one at least."""
-    yield from dict.fromkeys((f"{name[:-1]}x", f"{name[:-1]}y") for name in names if quantity(name) in COMPONENTS)
+    rows = (channels[name] for name in names)
+    yield from dict.fromkeys((x, y) for row in rows if row.axis for x, y in (row.components,))
 
 
 def unit_near(factor: float, si: str, hair: float) -> str:

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.channels import Channels
+from scenes.model.motion import Samples
 
 from .frame import vectors
 
@@ -23,21 +24,21 @@ class ByLink(NamedTuple):
     """A column that is a component of a vector by the axes of a link."""
 
     column: int
-    vector: str  # as `A.f`
+    vector: tuple[str, str]  # its components
     body: str
     left: float  # of the column
 
 
-def moving(true: Mapping[str, Samples]) -> dict[str, Samples]:
+def moving(channels: Channels, true: Mapping[str, Samples]) -> dict[str, Samples]:
     """Return the channels that move by more than round-off."""
     largest: dict[str, float] = {"rad": 1.0}
     for channel, values in true.items():
-        unit = UNITS[quantity(channel)]
+        unit = channels[channel].unit
         largest[unit] = max(largest.get(unit, 0.0), float(np.abs(values).max()))
     length = largest.get("m", 0.0)
     for unit, size in (("N*m", largest.get("N", 0.0) * length), *_rates(largest, length)):
         largest[unit] = max(largest.get(unit, 0.0), size)
-    return {c: values for c, values in true.items() if np.ptp(values) > ROUND_OFF * largest[UNITS[quantity(c)]]}
+    return {c: values for c, values in true.items() if np.ptp(values) > ROUND_OFF * largest[channels[c].unit]}
 
 
 def _rates(largest: Mapping[str, float], length: float) -> Iterator[tuple[str, float]]:
@@ -58,16 +59,18 @@ def left_by(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
     return np.clip(np.where(whole > 0, share, 1.0), 0.0, 1.0)
 
 
-def by_links(true: Mapping[str, Samples], columns: NDArray[np.float64], known: Sequence[float]) -> list[ByLink]:
+def by_links(
+    channels: Channels, true: Mapping[str, Samples], columns: NDArray[np.float64], known: Sequence[float]
+) -> list[ByLink]:
     """Return the columns that a vector by a link's axes explains to so much of them, by column; places are none."""
-    angles = {c.removesuffix(".angle"): values for c, values in true.items() if quantity(c) == "angle"}
+    angles = {channels[c].subject: values for c, values in true.items() if channels[c].modulo_turn}
     best: dict[int, ByLink] = {}
-    for x, y in vectors(true):
-        if quantity(x) == "x" or not {x, y} <= true.keys():
+    for x, y in vectors(channels, true):
+        if channels[x].order == 0 or not {x, y} <= true.keys():
             continue
         for body, angle in angles.items():
             vector = (true[x] + 1j * true[y]) * np.exp(-1j * angle)
             left = np.sqrt(left_by(np.array([vector.real, vector.imag]), columns))
             for k in np.flatnonzero(left < [best[k].left if k in best else known[k] for k in range(len(columns))]):
-                best[int(k)] = ByLink(int(k), x[:-1], body, float(left[k]))
+                best[int(k)] = ByLink(int(k), (x, y), body, float(left[k]))
     return [best[k] for k in sorted(best)]

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, InputError, Scene
+from scenes.channels import Channel, Channels, Role
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from ..engines.registry import Solve, reference
@@ -26,6 +27,7 @@ from .proposal_text import NOISE, NOTHING, SURE, TOLD_APART, Axis, Pair, as_toml
 from .result import name_and_files
 from .table import Table
 
+MAPPED = (Role.kinematic, Role.force, Role.friction)  # roles of channels that a column may be
 FEWEST, ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
 LATE = 24  # parts of a cycle in which the table may begin
 PARTS, CLOSER = 6, 2  # of a step between lags, and how many of these are tried: the best one need not be the nearest
@@ -52,17 +54,17 @@ def proposed(scene: Scene, text: str) -> str:
     rest = [k for k, name in enumerate(names) if name != axis.column]
     time = axis.time + axis.lag
     true = solve(inputs_of(scene, time).driven().position, time).samples
-    turn = _turn(true, columns[rest])
-    own = {c: np.unwrap(true[c]) if quantity(c) == "angle" else true[c] for c in channels(scene)[2:]}
+    turn = _turn(scene.channels, true, columns[rest])
+    own = {c: np.unwrap(true[c]) if scene.channels[c].modulo_turn else true[c] for c in scene.channels.names(*MAPPED)}
     ways = []
     for mirrored, angle in product((False, True), turn + pi / 2 * np.arange(4)):
-        theirs = seen(Frame(float(angle if mirrored else -angle), mirrored=mirrored), own)
-        ways.append((*_paired(moving(theirs), columns[rest]), (float(angle), mirrored)))
+        theirs = seen(scene.channels, Frame(float(angle if mirrored else -angle), mirrored=mirrored), own)
+        ways.append((*_paired(scene.channels, moving(scene.channels, theirs), columns[rest]), (float(angle), mirrored)))
     best = min(ways, key=lambda way: way[1] + FRAME * any(way[2]))
     pairs, _, frame = next((way for way in ways if not any(way[2]) and _as_well(way[0], best[0])), best)
     left = {pair.column: pair.left for pair in pairs}
     known = [min(SURE, max(left.get(k, 1.0), NOISE) / TOLD_APART) for k in range(len(rest))]
-    by_link = by_links(own, columns[rest], known)
+    by_link = by_links(scene.channels, own, columns[rest], known)
     pairs = [pair for pair in pairs if pair.column not in {each.column for each in by_link}]
     return "\n".join(as_toml(scene, axis, [names[k] for k in rest], pairs, frame, by_link, alone=alone)) + "\n"
 
@@ -134,10 +136,12 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
             true = solve(inputs_of(scene, axis.time + lag).driven().position, axis.time + lag).samples
         except Failure:
             return np.ones(len(names))
-        leaves, moves = [np.ones(len(names))], moving({c: true[c] for c in channels(scene)[2:]})
-        for c in dict.fromkeys(f"{c[:-1]}x" if c[-1] == "y" else c for c in moves):
-            base = np.array([true[f"{c[:-1]}{q}"] for q in ("xy" if c[-1] == "x" else c[-1])])
-            leaves.append(left_by(np.unwrap(base) if quantity(c) == "angle" else base, columns))
+        leaves, known = [np.ones(len(names))], {c: true[c] for c in scene.channels.names(*MAPPED)}
+        moves = moving(scene.channels, known)
+        rows = [scene.channels[name] for name in moves]
+        for vector, turns in dict.fromkeys((row.components or (row.name,), row.modulo_turn) for row in rows):
+            base = np.array([true[name] for name in vector])
+            leaves.append(left_by(np.unwrap(base) if turns else base, columns))
         return np.asarray(np.min(leaves, axis=0) + NOISE**2)
 
     def mean(of: Axis) -> float:
@@ -181,10 +185,10 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
     return best._replace(lag=lag), not any(as_good(one, best) and apart(one, best) for one in tried)
 
 
-def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
+def _turn(channels: Channels, true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
     """Return the angle of the frame but for right angles: the one that most columns have to a vector they fit."""
     angles = []
-    for x, y in vectors(true):
+    for x, y in vectors(channels, true):
         base = np.array([true[x], true[y]])
         base = base - base.mean(axis=1, keepdims=True)
         if np.linalg.cond(base) < 1e3:
@@ -196,12 +200,12 @@ def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
     return turn if abs(turn) > SAME_UNIT else 0.0
 
 
-def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[list[Pair], float]:
+def _paired(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[list[Pair], float]:
     """Return the pairs that cost least together, those that fit, and the cost of all."""
     from scipy.optimize import linear_sum_assignment
 
-    fits = _pairs(seen, columns)
-    costs = np.array([[_cost(pair) for pair in row] for row in fits])
+    fits = _pairs(channels, seen, columns)
+    costs = np.array([[_cost(channels[pair.channel], pair) for pair in row] for row in fits])
     rows, chosen = linear_sum_assignment(costs)
     pairs = []
     for k, c in zip(rows, chosen, strict=True):
@@ -210,7 +214,7 @@ def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[
     return [pair for pair in pairs if pair.left <= FITS], float(costs[rows, chosen].sum())
 
 
-def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:
+def _pairs(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:
     values = np.array([*seen.values()])
     v, c = (each - each.mean(axis=1, keepdims=True) for each in (values, columns))
     squares = (v**2).sum(axis=1)
@@ -221,18 +225,18 @@ def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[li
     left = np.sqrt(np.clip(1 - p**2 * squares / np.where(whole > 0, whole, np.inf), 0.0, 1.0))
     hair = np.maximum(TOLD_APART * left, NOISE) * np.abs(columns).max(axis=1, keepdims=True)
     fits = np.stack([p, left, zeros, hair], axis=2).tolist()
-    return [[_pair(c, k, *fit) for c, fit in zip(seen, row, strict=True)] for k, row in enumerate(fits)]
+    return [[_pair(channels[c], k, *fit) for c, fit in zip(seen, row, strict=True)] for k, row in enumerate(fits)]
 
 
-def _pair(channel: str, column: int, p: float, left: float, zero: float, hair: float) -> Pair:
+def _pair(channel: Channel, column: int, p: float, left: float, zero: float, hair: float) -> Pair:
     """Return how a column fits a channel; without a unit where it fits in none that is known."""
-    unit = unit_near(p, UNITS[quantity(channel)], max(SAME_UNIT, left))
-    zero = remainder(zero, 2 * pi * abs(p)) if quantity(channel) == "angle" and p else zero
+    unit = unit_near(p, channel.unit, max(SAME_UNIT, left))
+    zero = remainder(zero, 2 * pi * abs(p)) if channel.modulo_turn and p else zero
     zero = zero if abs(zero) > hair else 0.0
-    return Pair(channel, column, left, unit, 1 if p > 0 else -1, zero)
+    return Pair(channel.name, column, left, unit, 1 if p > 0 else -1, zero)
 
 
-def _cost(pair: Pair) -> float:
+def _cost(channel: Channel, pair: Pair) -> float:
     """Return the price of a pair: what it leaves, in powers of ten, an unknown unit, an opposite sign, a zero."""
-    odd_zero = bool(pair.zero) and quantity(pair.channel) not in ("x", "y", "angle")
+    odd_zero = bool(pair.zero) and channel.order != 0
     return float(np.log10(pair.left + NOISE)) + 4 * (not pair.unit) + 0.5 * (pair.sign < 0) + 0.5 * odd_zero

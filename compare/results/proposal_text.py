@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Scene
+from scenes.channels import Channels
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import Samples
 
 from .frame import KNOWN, LENGTHS, OF_ANGLES
 from .moving_axes import ByLink
@@ -61,7 +62,7 @@ def as_toml(
     yield "# Proposed from the columns alone; every line is to be confirmed."
     if not alone:
         yield "# Unsure throughout: at other instants, or in another frame, the channels fit these columns as well."
-    origin = _origin(pairs)
+    origin = _origin(scene.channels, pairs)
     at = complex(*(-o for o in origin)) if origin else 0j
     at = (at.conjugate() if mirrored else at) * np.exp(1j * turn)
     if turn or mirrored or at:
@@ -78,17 +79,17 @@ def as_toml(
         for pair in pairs
         if alone and pair.unit and pair.left <= SURE and TOLD_APART * max(pair.left, NOISE) <= pair.second
     }
-    for pair in sorted(pairs, key=lambda pair: channels(scene).index(pair.channel)):
-        kind = quantity(pair.channel)
-        free = origin and kind in ("x", "y")
-        whole = not turn or {f"{pair.channel[:-1]}{q}" for q in ("xy" if kind[-1] in "xy" else kind[-1])} <= sure
+    for pair in sorted(pairs, key=lambda pair: scene.channels.names().index(pair.channel)):
+        channel = scene.channels[pair.channel]
+        free = origin and channel.axis and channel.order == 0
+        whole = not turn or {*(channel.components or (channel.name,))} <= sure
         is_sure = pair.channel in sure and whole  # a frame that is turned mixes both components
         remark = f"{'sure' if is_sure else 'unsure'}: leaves {pair.left:.0e}, the next best channel {pair.second:.0e}"
         remark += "" if pair.unit else "; its unit is unknown"
-        line = _line(pair.channel, names[pair.column], pair.unit, pair.sign, 0.0 if free else pair.zero, UNITS[kind])
+        line = _line(pair.channel, names[pair.column], pair.unit, pair.sign, 0.0 if free else pair.zero, channel.unit)
         yield f"{line}  # {remark}"
     for each in by_link:
-        what = f"{each.vector}x, {each.vector}y by the axes of {each.body}"
+        what = f"{', '.join(each.vector)} by the axes of {each.body}"
         yield f"# No mapping reads {names[each.column]}: it is of {what}, not the ground's; leaves {each.left:.0e}"
     left_over = {*range(len(names))} - {pair.column for pair in pairs} - {each.column for each in by_link}
     if left_over:
@@ -102,9 +103,13 @@ def _line(channel: str, column: str, unit: str, sign: int, zero: float, si: str)
     return f"{dumps(channel)} = " + (f"{{ {', '.join([f'column = {name}', *more])} }}" if more else name)
 
 
-def _origin(pairs: Sequence[Pair]) -> tuple[float, float] | None:
+def _origin(channels: Channels, pairs: Sequence[Pair]) -> tuple[float, float] | None:
     """Return the zeros that all places have in common, m, or None where they have not."""
-    zeros = {q: [p.sign * p.zero * LENGTHS.get(p.unit, 1.0) for p in pairs if quantity(p.channel) == q] for q in "xy"}
+    zeros: dict[str, list[float]] = {"x": [], "y": []}
+    for pair in pairs:
+        channel = channels[pair.channel]
+        if channel.axis and channel.order == 0:
+            zeros[channel.axis].append(pair.sign * pair.zero * LENGTHS.get(pair.unit, 1.0))
     if not all(zeros.values()) or any(np.ptp(own) > SAME_ZERO * max(1e-3, np.abs(own).max()) for own in zeros.values()):
         return None
     return float(np.median(zeros["x"])), float(np.median(zeros["y"]))

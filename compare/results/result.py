@@ -13,24 +13,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, InputError, Instants, Motion, Scene, Settings, Status, limits
+from scenes.channels import TRANSMISSION, Channel, Role
 from scenes.errors import at_place, nearest, one_line
 from scenes.fields import NAME
 from scenes.file.units import factor
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import TRANSMISSION, UNITS, Samples, channels, force_channels, magnitudes, quantity
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed
 
 from ..engines import registry
 from ..engines.runner import Run
 from .frame import Frame, seen, vectors
-from .guides import GUIDE, guide_components, to_guides
+from .guides import to_guides
 from .joined import read_tables
 from .mapping import ColumnTable, MappingFile, factors, mapping_of, named_columns
 from .table import Table
 
 Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
 
-REVERSED = ("time", "vx", "vy", "omega")  # where time runs the other way
 EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ; and of a cycle its end
 BEYOND = 1e-2  # of a cycle: so far decimals may put a row outside the run of the drive
 
@@ -87,10 +87,10 @@ def read_result(scene: Scene, text: str) -> Result:
     """
     name, files = name_and_files(text)
     mapping, where = mapping_of(scene, name, files[0])
-    axes = ("time", scene.drive_channel)
+    axes = scene.channels.names(Role.time, Role.input)
     instants = {_named(mapping.columns[axis]).column for axis in axes if axis in mapping.columns}
     table = read_tables(
-        files, mapping.separator, mapping.decimal, instants or {f"{a} [{UNITS[quantity(a)]}]" for a in axes}
+        files, mapping.separator, mapping.decimal, instants or {scene.channels[axis].header for axis in axes}
     )
     with at_place(one_line(", ".join(map(str, files)))):
         if not mapping.columns:
@@ -114,7 +114,7 @@ def name_and_files(text: str) -> tuple[str, list[Path]]:
 
 
 def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mapping: MappingFile, where: str) -> Result:
-    known, names = channels(scene), _readable(scene, mapping.columns)
+    known, names = scene.channels.names(Role.kinematic, Role.force, Role.friction), _readable(scene, mapping.columns)
     for other in mapping.columns:
         if other not in names:
             raise InputError(f"columns.{one_line(other, 60)}: no such channel of the scene{nearest(other, names)}")
@@ -123,12 +123,12 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
         raise InputError(f"expected {limits.VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
     table, left_out = table.complete(_named(given).column for given in mapping.columns.values())
     numbers, rows = np.array(table.rows), len(table.rows)
-    columns, halves = _in_si(table, mapping)
-    _to_frame(columns, halves, mapping, relative=any(drive.on != GROUND for drive in scene.drives))
+    columns, halves = _in_si(scene, table, mapping)
+    _to_frame(scene, columns, halves, mapping)
     to_guides(scene, columns, halves, mapping.promise)
     _on_this_side(scene, columns, mapping.other_side)
     if mapping.backwards:
-        columns = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in columns.items()}
+        columns = {c: _backwards(scene.channels[c], values) for c, values in columns.items()}
         halves = {c: values[::-1] for c, values in halves.items()}
         numbers = numbers[::-1]
     by = scene.drive_channel
@@ -147,9 +147,9 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
     length = f"{cycles} cycle{'s' * (cycles != '1')} of the drive"
     over = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
     notes.insert(0, f"{name} has {rows} {over}")
-    if (count := len(own.intersection(known))) < len(known) - 2:
-        notes.append(f"{name} gives {count} of {len(known) - 2} channels; it was not asked for the others")
-    if by in columns and by == "crank_angle":  # counted on from turn to turn, whatever turn each row is in
+    if (count := len(own.intersection(known))) < len(known):
+        notes.append(f"{name} gives {count} of {len(known)} channels; it was not asked for the others")
+    if by in columns and scene.drive.slide is None:  # counted on from turn to turn, whatever turn each row is in
         columns[by] += 2 * np.pi * np.round((drive - columns[by]) / (2 * np.pi))
     if not with_drive:
         notes.append(f"{name} gives no {by}; it is taken as commanded")
@@ -171,53 +171,61 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
 
 def _readable(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
     """Return what columns may be: channels, magnitudes, components of guides' forces, transmission angles."""
-    angles = [channel for channel in columns if quantity(channel.partition(" [")[0]) == TRANSMISSION]
+    # Of any joint, as what a file has in its headings need be no channel of the scene.
+    angles = [column for column in columns if column.partition(" [")[0].endswith(TRANSMISSION)]
     if angles:  # the reference knows at which joints they are
         with suppress(Failure):
             time = np.zeros(1)
             found = registry.reference(scene)(inputs_of(scene, time).driven().position, time)
-            angles = [channel for channel in found.samples if quantity(channel) == TRANSMISSION]
-    return (*channels(scene), *magnitudes(scene), *guide_components(scene), *angles)
+            angles = [name for name in found.samples if scene.channels[name].quantity == TRANSMISSION]
+    return (*scene.channels.names(), *scene.channels.names(Role.magnitude), *scene.channels.names(Role.given), *angles)
+
+
+def _backwards(channel: Channel, values: Samples) -> Samples:
+    """Samples in the order of the time where it runs the other way, which changes the sign of rates."""
+    is_rate = channel.order == 1 and channel.role is Role.kinematic
+    return -values[::-1] if is_rate or channel.role is Role.time else values[::-1]
 
 
 def _named(given: str | ColumnTable) -> ColumnTable:
     return ColumnTable.model_validate({"column": given}) if isinstance(given, str) else given
 
 
-def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
+def _in_si(scene: Scene, table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
     """Return the columns in SI, and what their numbers may be off as written."""
     units = factors(mapping.units)
     columns, halves = Columns(), Columns()
     for channel, given in mapping.columns.items():
         column = _named(given)
         values, half = table.numbers(column.column)
-        by = units[si := "N" if quantity(channel) in GUIDE else UNITS[quantity(channel)]]
+        by = units[si := scene.channels[channel].unit]
         if column.unit is not None:
             by = factor(column.unit, si, f"{channel}, as {si} is", f"columns.{channel}.unit")
         columns[channel], halves[channel] = column.sign * by * (values - column.zero), by * half
     return columns, halves
 
 
-def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile, *, relative: bool) -> None:
+def _to_frame(scene: Scene, columns: Columns, halves: Columns, mapping: MappingFile) -> None:
     given, units = mapping.frame, factors(mapping.units)
+    relative = any(drive.on != GROUND for drive in scene.drives)
     frame = Frame(units["rad"] * given.angle, units["m"] * complex(*given.origin), given.mirrored, relative=relative)
     c, s = abs(np.cos(frame.angle)), abs(np.sin(frame.angle))
-    for x, y in vectors(columns):
+    for x, y in vectors(scene.channels, columns):
         if x in columns and y in columns:
             a, b = halves[x], halves[y]
             halves[x], halves[y] = c * a + s * b, s * a + c * b
         elif frame.angle:
             alone = x if x in columns else y
             raise InputError(f"columns.{alone}: expected both components of a vector in a frame that is turned")
-    columns.update(seen(frame, columns))
+    columns.update(seen(scene.channels, frame, columns))
 
 
 def _on_this_side(scene: Scene, columns: Columns, other_side: Sequence[str]) -> None:
-    stems, turned = {channel: channel.rpartition(".")[0] for channel in force_channels(scene)}, set[str]()
+    stems, turned = {name: scene.channels[name].owner for name in scene.channels.names(Role.force)}, set[str]()
     for pattern in other_side:
         shown = one_line(pattern, 60)
         fits = {channel for channel, stem in stems.items() if fnmatchcase(stem, pattern) or channel == pattern}
-        kinds = {"pin" if channel[-1] in "xy" else quantity(channel).partition("_")[0] for channel in fits}
+        kinds = {scene.channels[channel].kind for channel in fits}
         if len(kinds) > 1 and pattern in stems.values():  # a pin with the name of a slider, or called drive
             raise InputError(f"other_side: '{shown}' is of several; expected one or more of {', '.join(sorted(fits))}")
         if not fits:

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from ..channels import QUANTITIES, Role
-from ..channels import TRANSMISSION as TRANSMISSION
+from ..channels import Role, named
 from ..drive import ConstantSpeed
 from ..drive import Samples as Samples  # which most who read a motion name
 from ..errors import InputError, nearest
-from ..scene import Pin, Scene
+from ..scene import Scene
 from .lookup import Later
 
 if TYPE_CHECKING:
@@ -21,54 +20,11 @@ if TYPE_CHECKING:
 
 FEWEST = 8  # samples of a cycle: of fewer no course is seen
 WIDTH, HEIGHT, MARGIN = 120, 24, 2  # px, of a sparkline
-UNITS = {quantity.name: quantity.unit for quantity in QUANTITIES}
-
-
-def quantity(channel: str) -> str:
-    """What a channel measures, a key of `UNITS`: `P5.y` -> `y`, `time` -> `time`."""
-    return channel.rpartition(".")[2]
-
-
-def kinematic_channels(scene: Scene) -> tuple[str, ...]:
-    """The names of a scene's channels that describe the motion, in the order of the files."""
-    return scene.channels.names(Role.time, Role.input, Role.kinematic)
-
-
-def force_channels(scene: Scene) -> tuple[str, ...]:
-    """The names of a scene's channels that describe the forces; none in a kinematic scene."""
-    return scene.channels.names(Role.force)
-
-
-def friction_channels(scene: Scene) -> tuple[str, ...]:
-    """The names of the channels of friction, in the order of the files; none where there are no forces."""
-    return scene.channels.names(Role.friction)
-
-
-def channels(scene: Scene) -> tuple[str, ...]:
-    """The names of all channels of a scene, in the order of the files."""
-    return scene.channels.names()
-
-
-def magnitudes(scene: Scene) -> Mapping[str, tuple[str, str]]:
-    """The names of a scene's magnitudes, with the two channels that each is the length of; not the least angle."""
-    return scene.channels.magnitudes
-
-
-def force_at(scene: Scene, pin: Pin) -> str:
-    """The name of how large a pin's force is."""
-    found = scene.channels.find("pin", pin.channel, "force")
-    assert found is not None
-    return found.name
-
-
-def unit_of(scene: Scene, name: str) -> tuple[str, float]:
-    """The unit of a channel or magnitude in the scene's file, and its size in SI."""
-    return scene.unit_of(name)
 
 
 def header(channel: str) -> str:
-    """The CSV header of a channel, `P5.y [m]`: by the end of its name, since a motion does not know its scene."""
-    return f"{channel} [{UNITS[channel.rpartition('.')[2]]}]"
+    """The CSV header of a channel, `P5.y [m]`; a motion does not know its scene."""
+    return f"{channel} [{named(channel).unit}]"
 
 
 @dataclass(frozen=True)

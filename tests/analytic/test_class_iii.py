@@ -53,7 +53,7 @@ def test_dyads_as_one_group(name: str, kept: int) -> None:
     position = np.linspace(*scene.drive.law.extent, 720, endpoint=False)
     by_newton = prepared(scene, as_one_group(scene, kept))(position)
     scale = uncertified(scene).scale
-    for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
+    for channel, error in relative_errors(scene.channels, by_newton, analytic.solve(scene, position), scale).items():
         # near 30 deg rod and guide of the busy scene are almost square, which multiplies roundings by thousands
         assert error.max() <= (1e-12 if kept else 1e-11), channel  # a few dozen roundings of each
 

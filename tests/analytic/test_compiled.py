@@ -15,7 +15,6 @@ from analytic.recorded.fast import machine_line
 from analytic.recorded.program import Program, recorded
 from analytic.solve import Solver
 from scenes import Failure, InputError, Motion, Scene
-from scenes.model.motion import channels as known
 from tests.comparisons import SLOW, sampled
 
 from .newton import assert_close
@@ -42,7 +41,7 @@ def test_straight_line_of_every_scene(name: str) -> None:
     scene = scenes.load(name)
     time = np.linspace(0, scene.cycle, 61)
     position = scene.drive.law.at(time).position
-    channels = set(known(scene))
+    channels = set(scene.channels.names())
     line = analytic.fast_solver(scene, channels, compiled=False)
     assert_same(line(position, time), analytic.solve(scene, position, time, channels))
 

@@ -11,7 +11,7 @@ import pytest
 import analytic
 import scenes
 from scenes import Sampling, Scene
-from scenes.model.motion import friction_channels
+from scenes.channels import Role
 from sim_models.multiprecision.engine import DEFAULT, build
 from tests import scene_files
 from tests.comparisons import SLOW
@@ -45,7 +45,7 @@ def test_along_a_direction(name: str) -> None:
     asked = Sampling(samples=SAMPLES - 1)
     found = analytic.derivatives(scene, paths, asked.commanded(scene), asked.times(scene))
     values, moving = pairs[0][0], np.ones(SAMPLES, np.bool_)
-    for channel in friction_channels(scene):  # where a joint turns round it has no derivative
+    for channel in scene.channels.names(Role.friction):  # where a joint turns round it has no derivative
         moving &= values[channel] * pairs[0][1][channel] > 0
     for channel in values.keys() & found.keys():
         first, second, third = (

@@ -15,8 +15,8 @@ from analytic.engine import WORK_PRECISION, AnalyticSettings
 from analytic.recorded.arithmetics.machine_code import COMPILES
 from analytic.solve import prepared
 from scenes import Failure, Sampling, Scene, Status
+from scenes.channels import Role
 from scenes.elements import PLAIN_KINDS
-from scenes.model.motion import channels, force_channels
 from tests import scene_files
 from tests.agreement import exact
 from tests.closed_forms.elements import ON_CARRIED
@@ -93,7 +93,7 @@ def test_samples_come_in_any_order() -> None:
     shuffled = np.random.default_rng(0).permutation(len(position))
     motion = analytic.solve(scene, position[shuffled], time[shuffled])
     expected = analytic.solve(scene, position, time)
-    assert_close(motion.samples, {name: expected[name][shuffled] for name in channels(scene)}, CLOSE)
+    assert_close(motion.samples, {name: expected[name][shuffled] for name in scene.channels.names()}, CLOSE)
 
 
 @sampled(2)
@@ -107,7 +107,9 @@ def test_against_50_digits(settings: AnalyticSettings) -> None:
     found, tolerance = simulation.read(), {"single precision": 1e-5, "differences 360": 1e-3}  # some of a step squared
     true = exact(scene, Sampling(24))
     assert_close(
-        found.samples, {name: true[name] for name in force_channels(scene)}, tolerance.get(settings.label, CLOSE)
+        found.samples,
+        {name: true[name] for name in scene.channels.names(Role.force)},
+        tolerance.get(settings.label, CLOSE),
     )
 
 
@@ -124,7 +126,7 @@ def test_a_larger_group_has_what_dyads_have() -> None:
     motion = analytic.solve(scene, *asked(scene))
     for one in (by_newton, replace(by_newton, at_hand=by_newton.recorded)):
         found = one(*asked(scene)).samples
-        assert_close(found, {name: motion[name] for name in channels(scene)}, 1e-11)  # Newton's roundings
+        assert_close(found, {name: motion[name] for name in scene.channels.names()}, 1e-11)  # Newton's roundings
 
 
 def numbers_of_elements(scene: Scene) -> list[str]:

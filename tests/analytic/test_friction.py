@@ -5,7 +5,7 @@ import pytest
 
 import analytic
 from scenes import Failure, Scene, Status
-from scenes.model.motion import force_channels, friction_channels
+from scenes.channels import Role
 from tests import scene_files
 from tests.closed_forms.friction import CRITICAL, LENGTH, MU, Q
 
@@ -54,7 +54,7 @@ def test_many_presses_with_coefficients_far_apart() -> None:
     for machine in range(4):
         own = {path: float(values[machine]) for path, values in changes.items()}
         alone = analytic.solve(scene_files.load("toggle_press_friction", {**own}), angle)
-        for channel in (*force_channels(scene), *friction_channels(scene)):
+        for channel in (*scene.channels.names(Role.force), *scene.channels.names(Role.friction)):
             size = np.abs(alone[channel]).max()
             assert not np.abs(many[channel][machine] - alone[channel]).max() > 1e-12 * size, (machine, channel)
 

@@ -9,9 +9,9 @@ import pytest
 import analytic
 import scenes
 from scenes import Inputs, Scene
+from scenes.channels import named
 from scenes.elements.friction import AT_REST
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import quantity
 from tests import scene_files
 
 ROUNDED = 1e-12  # of a channel's peak: some fifty operations on doubles, times conditions of a hundred
@@ -40,10 +40,10 @@ def test_velocities_and_accelerations_follow_by_the_chain_rule(name: str) -> Non
     unit = analytic.solve(scene, inputs=inputs(q, np.ones_like(q), np.zeros_like(q)))
     found = analytic.solve(scene, inputs=inputs(q, dq, ddq))
     pairs = {"vx": "ax", "vy": "ay", "omega": "alpha"}
-    checked = [channel for channel in found.samples if quantity(channel) in pairs]
+    checked = [channel for channel in found.samples if named(channel).name in pairs]
     assert checked
     for channel in checked:
-        second = f"{channel.rpartition('.')[0]}.{pairs[quantity(channel)]}"
+        second = f"{channel.rpartition('.')[0]}.{pairs[named(channel).name]}"
         for value, expected in (
             (found[channel], unit[channel] * dq),
             (found[second], unit[channel] * ddq + unit[second] * dq**2),

@@ -13,7 +13,7 @@ from compare.judge.checks import checks
 from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from compare.mechanics.scales import travels
 from scenes import Sampling, Scene
-from scenes.model.motion import channels, force_channels
+from scenes.channels import Role
 from tests import absolute_coordinates, scene_files
 from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, solve
 from tests.comparisons import SLOW, all_checks
@@ -33,7 +33,7 @@ def test_masses_do_not_change_the_motion(scene: Scene) -> None:
     """A kinematic scene has the very same motion, to the bit, and no force at all."""
     bare = replace(scene, bodies={n: replace(b, mass=None, com=None, inertia=None) for n, b in scene.bodies.items()})
     motion, moved = solve(scene), solve(replace(bare, loads=(), springs=(), gravity=None))
-    assert set(channels(scene)) - set(moved.samples) == set(force_channels(scene))
+    assert set(scene.channels.names()) - set(moved.samples) == set(scene.channels.names(Role.force))
     for channel in moved.samples:
         assert np.array_equal(moved[channel], motion[channel]), channel
 
@@ -53,7 +53,7 @@ def test_joints_close_and_forces_and_power_balance(scene: Scene) -> None:
 def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.DataObject) -> None:
     """A few channels, or forces alone, to the bit as among all of them, and no others."""
     whole = solve(scene)
-    known = data.draw(st.sampled_from((list(whole.samples), list(force_channels(scene)))))
+    known = data.draw(st.sampled_from((list(whole.samples), list(scene.channels.names(Role.force)))))
     asked = data.draw(st.frozensets(st.sampled_from(known), min_size=1, max_size=3))
     time = instants(scene)
     part = analytic.solve(scene, scene.drive.law.at(time).position, time, asked)
@@ -79,7 +79,7 @@ def test_closed_form_and_newton_agree(scene: Scene, first: int) -> None:
     linkage, time = as_one_group(scene, min(first, len(decompose(scene).groups) - 1)), instants(scene)
     by_newton = prepared(scene, linkage)(scene.drive.law.at(time).position, time)
     motion = solve(scene)
-    assert_agree(scene, by_newton, {c: motion[c] for c in channels(scene)})
+    assert_agree(scene, by_newton, {c: motion[c] for c in scene.channels.names()})
 
 
 @seldom
@@ -89,7 +89,7 @@ def test_against_50_digits(scene: Scene) -> None:
     true = exact(scene, Sampling(24))
     motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
     # By the peaks of all forces: a joint that hardly carries anything still has the roundings of those beside it.
-    assert_agree(scene, motion, {channel: true[channel] for channel in channels(scene)})
+    assert_agree(scene, motion, {channel: true[channel] for channel in scene.channels.names()})
 
 
 @SLOW
@@ -98,7 +98,7 @@ def test_against_50_digits(scene: Scene) -> None:
 def test_drives_by_formula_against_50_digits(scene: Scene) -> None:
     true = exact(scene, Sampling(24))
     motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
-    assert_agree(scene, motion, {channel: true[channel] for channel in channels(scene)})
+    assert_agree(scene, motion, {channel: true[channel] for channel in scene.channels.names()})
 
 
 def test_where_the_ends_of_a_spring_meet() -> None:

@@ -9,9 +9,9 @@ import pytest
 import analytic
 import scenes
 from compare.engines.registry import Solve
-from compare.mechanics.mechanics import GROUPS
 from scenes import Sampling, Scene
-from scenes.model.motion import Samples, channels, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 from scenes.scene import Slide
 from tests import absolute_coordinates, scene_files
 from tests.agreement import errors, off_50_digits
@@ -46,7 +46,7 @@ def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     time = np.linspace(0.00137, 0.99871, 49) * scene.cycle
     driven = scene.drive.law.at(time)
     expected = absolute_coordinates.solve(scene, *driven, time)
-    assert set(expected) == set(channels(scene)) - {"time"}
+    assert set(expected) == set(scene.channels.names()) - {"time"}
     return errors(solve(driven.position, time), expected)
 
 
@@ -79,4 +79,4 @@ def test_against_50_digits(references: References, name: str) -> None:
     for channel, error in off_50_digits(references(name), sampling).items():
         # A few dozen roundings of 1e-16 each. The worst are 7e-14 in an acceleration and 1e-13 in a reaction, both of
         # the clamp near its lock.
-        assert error.max() <= (1e-12 if GROUPS[quantity(channel)] in amplified else 1e-13), channel
+        assert error.max() <= (1e-12 if named(channel).group in amplified else 1e-13), channel

@@ -12,7 +12,7 @@ import analytic
 from analytic.core import decomposition
 from compare.mechanics.bodies import weights
 from scenes import Motion, Scene
-from scenes.model.motion import Samples, channels
+from scenes.model.motion import Samples
 from tests import scene_files
 from tests.comparisons import sampled
 
@@ -65,7 +65,7 @@ def test_closed_forms_and_the_groups_equations(
     scene = scene_files.load(name, changes)
     assert analytic.in_closed_form(scene)
     one, other = analytic.solve(scene, way(scene)), by_newton(scene, monkeypatch)
-    for channel in channels(scene):
+    for channel in scene.channels.names():
         stem = channel[:-1] if channel[-1] in "xy" else channel
         size = max(np.abs(other[c]).max() for c in other.samples if c.startswith(stem))
         size = size if scene.has_masses and size > 1e-6 else 1.0  # of what is zero by symmetry
@@ -123,7 +123,7 @@ def test_a_cylinder_without_mass_lifts_a_weight() -> None:
 @pytest.mark.parametrize(("name", "changes"), [*CASES, ("lift", {})])
 def test_the_recorded_line_is_the_formulas(name: str, changes: dict[str, Any]) -> None:
     scene = scene_files.load(name, changes)
-    wanted = frozenset(channels(scene))
+    wanted = frozenset(scene.channels.names())
     x = way(scene)
     path = f"bodies.{'rod' if 'rod' in scene.bodies else 'bar'}.mass"
     many = analytic.solve_many(scene, {path: [4.0, 6.0]}, x, channels=wanted)

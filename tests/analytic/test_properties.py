@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import analytic
 from scenes import Motion, Scene
 from scenes.file.consistency import check
-from scenes.model.motion import Samples, channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 from tests.agreement import MOTION, assert_agree, instants, solve
 from tests.linkage_scenes import drawn_linkages, linkages
@@ -96,7 +96,7 @@ def test_names_and_order_do_not_matter(data: st.DataObject, scene: Scene) -> Non
     other = renamed(scene, names, data.draw(st.permutations(list(scene.bodies))))
     motion = solve(scene)
     expected = {}
-    for channel in channels(scene):
+    for channel in scene.channels.names():
         stem, _, of = channel.rpartition(".")
         if of not in ("fx", "fy"):
             expected[f"{names.get(stem, stem)}.{of}" if stem else of] = motion[channel]

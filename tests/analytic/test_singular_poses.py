@@ -13,7 +13,6 @@ from analytic.core.decomposition import members
 from analytic.solve import Solver, prepared
 from analytic.way import change_points
 from scenes import Failure, Positions, Sampling, Scene, Status
-from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.agreement import errors, exact
@@ -109,7 +108,7 @@ def test_next_to_parallel_guides_every_channel_is_right() -> None:
     scene = guides(apart)
     true = exact(scene, Positions((0.0123, NEAREST - 0.01, NEAREST, NEAREST + 0.1)))
     motion = analytic.solve(scene, true["crank_angle"], true["time"])
-    found = errors(motion, {channel: true[channel] for channel in channels(scene)})
+    found = errors(motion, {channel: true[channel] for channel in scene.channels.names()})
     assert max(error.max() for error in found.values()) <= 20 * EPS / radians(apart) ** 2
 
 

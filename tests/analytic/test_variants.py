@@ -8,7 +8,6 @@ from compare.engines import registry
 from compare.judge.floor import establish
 from compare.judge.measure import measure
 from scenes import Sampling, Scene
-from scenes.model.motion import channels
 from tests import scene_files
 from tests.agreement import errors, worst
 from tests.comparisons import sampled
@@ -24,7 +23,7 @@ def off(name: str, settings: AnalyticSettings) -> dict[str, float]:
         run = engine.build(scene, variant, Sampling(72))
         run.solve()
         motions.append(run.read())
-    return worst(errors(motions[0], {channel: motions[1][channel] for channel in channels(scene)}))
+    return worst(errors(motions[0], {channel: motions[1][channel] for channel in scene.channels.names()}))
 
 
 @sampled(2)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scenes import Motion, Scene
+from scenes.channels import named
 from scenes.fields import put, walk
-from scenes.model.motion import channels, quantity
 from scenes.scene import GROUND, Body, ConstantSpeed, DriveLaw, Force, Load, MotionLaw, PressForce, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy
@@ -91,8 +91,8 @@ class Change:
         scalar |= {"force": force, "guide_force": self.mirror * force, "guide_moment": moment, "torque": moment}
         vector = {"": self.length, "v": self.length / self.time, "a": self.length / self.time**2, "f": force}
         seen = {}
-        for channel in channels(scene):
-            stem, of = channel.rpartition(".")[0], quantity(channel)
+        for channel in scene.channels.names():
+            stem, of = channel.rpartition(".")[0], named(channel).name
             if of in scalar:
                 seen[channel] = scalar[of] * motion[channel]
             elif of in ("angle", "crank_angle"):

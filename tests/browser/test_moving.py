@@ -187,7 +187,7 @@ def test_a_place_of_a_number_is_shown(report: "Page") -> None:
     """An element with `data-at` goes to that pose and marks the joint; this one stands still."""
     scrub(report, ROW)
     report.evaluate(
-        """document.body.insertAdjacentHTML('beforeend', `<button id="go" data-at="${Math.PI}" data-channel="P3.fy"
+        """document.body.insertAdjacentHTML('beforeend', `<button id="go" data-at="${Math.PI}" data-point="P3"
         style="position: fixed; top: 0; left: 0; z-index: 9">there</button>`)"""
     )
     report.locator("#go").click()

@@ -10,9 +10,9 @@ import numpy as np
 
 import scenes
 from scenes import Motion, Scene
+from scenes.channels import Role
 from scenes.elements import LISTS, kinds_of
 from scenes.elements.element import ElementTable
-from scenes.model.motion import force_channels
 from tests import scene_files
 from tests.scene_files import Changes
 
@@ -42,7 +42,9 @@ def without_elements(scene: Scene) -> Scene:
 
 def difference(motion: Motion, before: Motion, scene: Scene) -> Motion:
     """The motion, of whose forces only what has been added is left."""
-    return Motion(dict(motion.samples) | {name: motion[name] - before[name] for name in force_channels(scene)})
+    return Motion(
+        dict(motion.samples) | {name: motion[name] - before[name] for name in scene.channels.names(Role.force)}
+    )
 
 
 def described(text: str) -> Scene:

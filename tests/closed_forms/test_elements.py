@@ -8,7 +8,6 @@ import pytest
 
 from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.elements import ALL_KINDS, LISTS, PLAIN_KINDS
-from scenes.model.motion import channels
 from tests.comparisons import SLOW, sampled
 
 from .drives import DRIVES
@@ -35,7 +34,7 @@ def check(held: Held, row: Row, scene: Scene) -> None:
         assert motion.status is Status.unsupported
         assert re.search(held.refuses, motion.reason)
         return
-    assert set(motion.samples) >= set(channels(scene))
+    assert set(motion.samples) >= set(scene.channels.names())
     for place, apart in row.places(motion).items():
         assert not np.abs(apart).max() > held.places, place
     added = difference(motion, before(held, without_elements(scene), sampling), scene) if row.added else motion

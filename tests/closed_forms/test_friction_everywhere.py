@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.model.motion import channels, force_channels, friction_channels
+from scenes.channels import Role
 from scenes.scene import PinFriction
 from tests import absolute_coordinates, scene_files
 from tests.absolute_friction import JammedError
@@ -39,7 +39,7 @@ def referred(scene: Scene) -> dict[str, Any]:
 @cache
 def found(held: Held, scene: Scene) -> Motion:
     motion = held.run(scene, SAMPLING)
-    assert set(motion.samples) >= set(channels(scene))
+    assert set(motion.samples) >= set(scene.channels.names())
     return motion
 
 
@@ -117,7 +117,7 @@ def test_no_coefficients_change_nothing(held: Held) -> None:
     none, before = found(held, everywhere(plain, 0.0)), found(held, plain)
     for channel, values in before.samples.items():
         assert (none[channel] == values).all(), channel
-    for channel in friction_channels(everywhere(plain, 0.0)):
+    for channel in everywhere(plain, 0.0).channels.names(Role.friction):
         assert not none[channel].any()
 
 
@@ -144,7 +144,7 @@ def test_nothing_rubs_while_the_drive_dwells(held: Held) -> None:
     rubbing = np.array([False, *[True] * 9, False, False, False])  # it starts from rest too
     assert np.array_equal(motion["drive.torque"] != without["drive.torque"], rubbing)
     assert np.array_equal(motion["friction.power"] < 0, rubbing)
-    for channel in force_channels(scene):
+    for channel in scene.channels.names(Role.force):
         assert (motion[channel] == without[channel])[~rubbing].all(), channel
 
 

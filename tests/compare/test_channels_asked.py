@@ -28,11 +28,13 @@ from compare.report.figures.curves import panels
 from compare.report.output import files as output
 from compare.report.tables import study as tables
 from scenes import Motion, Request, Sampling, Settings, Status
-from scenes.model.motion import channels, header, quantity
+from scenes.channels import Role, named
+from scenes.model.motion import header
 from tests import scene_files
 from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, sampled, studied
 
 PRESS = scene_files.load("crank_press", {"drive.start": 90})
+MOVED = (Role.kinematic, Role.force, Role.friction)  # roles of channels that are compared
 
 
 @pytest.mark.parametrize(
@@ -153,7 +155,7 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
 
 
 @sampled(2)
-@pytest.mark.parametrize("kind", sorted({quantity(channel) for channel in channels(PRESS)[2:]}))
+@pytest.mark.parametrize("kind", sorted({PRESS.channels[name].quantity for name in PRESS.channels.names(*MOVED)}))
 def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
     """One component of a vector is judged by the vector, on the side of the switch where it fits: right or spoilt.
 
@@ -165,7 +167,7 @@ def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
     on_switch = np.arange(SAMPLING.count) == SAMPLING.count // 2
     (may,) = pressing.acts(on)
     assert np.array_equal(on_switch, may.any(axis=0) & ~may.all(axis=0))
-    channel = [name for name in channels(scene)[2:] if quantity(name) == kind][-1]
+    channel = [name for name in scene.channels.names() if named(name).name == kind][-1]
     few = replace(SAMPLING, channels=frozenset({channel}))
     for side in (on, off):
         right = {c: np.where(on_switch, side[c], on[c]) for c in few.wanted(scene)}
@@ -184,7 +186,7 @@ def test_some_channels_of_some_places_are_judged(seed: int) -> None:
     """Where one joint, point or body has channels that another's were not asked for."""
     rng = np.random.default_rng(seed)
     reference = uncertified(scenes.load("toggle_press"))
-    some = frozenset(rng.choice(channels(reference.scene)[2:], 6, replace=False))
+    some = frozenset(rng.choice(reference.scene.channels.names(*MOVED), 6, replace=False))
     few = replace(SAMPLING, channels=some)
     motion = commanded(reference)
     off = {c: values + 0.1 * reference.scale[c] for c, values in motion.samples.items() if c in some}

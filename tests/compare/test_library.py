@@ -9,7 +9,7 @@ import scenes
 from compare.engines import registry
 from compare.judge.agreement import Judgement
 from compare.run import main
-from scenes.model.motion import kinematic_channels
+from scenes.channels import Role
 from tests.comparisons import SLOW
 
 QUICK = ("crank_press", "four_bar", "quick_return")  # a press force, a crank-rocker, a slot
@@ -42,7 +42,7 @@ def test_every_engine_that_is_ok_has_a_tolerance_for_every_group(judgement: Judg
 def test_the_reference_is_certified(judgement: Judgement) -> None:
     """To 1e-12: fifty times what doubles leave of the leg, and far below what it is used to judge but positions."""
     floor = judgement.reference.floor.by_channel
-    for channel in kinematic_channels(judgement.scene):
+    for channel in judgement.scene.channels.names(Role.time, Role.input, Role.kinematic):
         if channel != "time":
             assert floor[channel] <= 1e-12, channel
 

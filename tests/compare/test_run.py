@@ -16,7 +16,7 @@ from compare.measure.speed.speed_table import LEAST_ROUNDS, PATIENCE
 from compare.report.output.files import _write_motion
 from compare.run import main
 from scenes import Motion, Scene, load, shipped
-from scenes.model.motion import channels, header
+from scenes.model.motion import header
 from tests import scene_files
 
 
@@ -41,7 +41,7 @@ def test_motion_files(results: Path, toggle_press: Scene) -> None:
     groups = [f"{joint}.{q}" for joint in ("P3", "P5") for q in ("transmission", "to_lock")]
     for engine in registry.DEFAULT_ENGINES:
         table = pd.read_csv(results / f"motion.{engine}.csv")
-        told = [*channels(toggle_press), *(groups if engine == "analytic" else [])]
+        told = [*toggle_press.channels.names(), *(groups if engine == "analytic" else [])]
         assert sorted(table.columns) == sorted(map(header, told))
         assert len(table) == 361
         assert table.notna().all(axis=None)
@@ -64,7 +64,7 @@ def test_summary(results: Path, toggle_press: Scene) -> None:
         assert engine["settings"]["label"]
         assert 0 < engine["seconds"]["solve"] < 10
         assert any(character.isdigit() for character in engine["version"])
-    assert len(summary["errors"]) == 3 * (len(channels(toggle_press)) - 1)
+    assert len(summary["errors"]) == 3 * (len(toggle_press.channels.names()) - 1)
     assert len(summary["gates"]) == 10
     assert summary["verdict"]["word"] == "agrees"
     assert summary["engines"]["exudyn"]["worst_error"]["channel"] == "P5.ax"

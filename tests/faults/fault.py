@@ -9,13 +9,12 @@ from zlib import crc32
 import numpy as np
 
 from compare.engines.runner import Run
-from compare.judge.causes.cause import stem
-from compare.mechanics.mechanics import GROUPS
 from compare.mechanics.motion_vectors import MotionVectors
 from compare.mechanics.reference import Reference
 from compare.mechanics.scales import apart, sizes
 from scenes import Motion, Sampling, Scene, Settings
-from scenes.model.motion import Samples, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 
 Item = TypeVar("Item")
 
@@ -86,25 +85,25 @@ class Clean:
 
     def of(self, *quantities: str) -> list[str]:
         """Return the channels of some quantities."""
-        return [name for name in self.channels if quantity(name) in quantities]
+        return [name for name in self.channels if named(name).name in quantities]
 
     def grouped(self, *groups: str) -> Iterator[tuple[str, list[str]]]:
         """Yield those of some groups that have channels, with them."""
         for group in groups:
-            if names := [name for name in self.channels if GROUPS[quantity(name)] == group]:
+            if names := [name for name in self.channels if named(name).group == group]:
                 yield group, names
 
     def stems(self, *quantities: str) -> list[str]:
         """Return the points, bodies or joints that have channels of some quantities, with something in them."""
         return [
-            stem(name)
+            self.scene.channels[name].owner
             for name in self.of(*quantities)
             if np.abs(self.motion[name]).max() > 100 * self.promise * self.reference.scale[name]
         ]
 
     def size(self, channel: str) -> Samples:
         """Return what errors of a channel are divided by, shape (n,)."""
-        return sizes(self.true, channel, self.reference.scale[channel])
+        return sizes(self.true, self.scene.channels[channel], self.reference.scale[channel])
 
     def some(self, items: Iterable[Item], kind: str, count: int = 1) -> Sequence[Item]:
         """Return a few of the items, always the same for a kind of fault, a scene and an engine."""
@@ -130,9 +129,11 @@ def above(fault: Fault, clean: Clean, motion: Motion) -> bool:
         return True
     for channel in clean.channels:
         pairs = [(motion[name], clean.true[name], clean.motion[name]) for name in _vector(channel)]
-        error, own = (np.sqrt(sum(apart(channel, one[k], one[1]) ** 2 for one in pairs)) for k in (0, 2))
+        error, own = (
+            np.sqrt(sum(apart(clean.scene.channels[channel], one[k], one[1]) ** 2 for one in pairs)) for k in (0, 2)
+        )
         size = np.full(own.shape, scale[channel])
-        if quantity(channel) not in ("x", "y", "angle"):
+        if named(channel).name not in ("x", "y", "angle"):
             size = np.maximum(size, np.sqrt(sum(one[1] ** 2 for one in pairs)))
         if not (error / size)[own <= settings.promise * size].max(initial=0.0) <= settings.promise:
             return True

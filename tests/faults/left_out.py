@@ -13,7 +13,7 @@ from compare.mechanics import elements
 from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion
-from scenes.model.motion import force_channels
+from scenes.channels import Role
 from scenes.scene import GROUND, Force, GuideForce, Moment
 
 from .fault import Clean, Fault
@@ -60,6 +60,6 @@ def _pushed(clean: Clean, motion: Motion, body: str, point: str, force: Vectors)
     for along, share in (((size, 0.0), force.real / size), ((0.0, size), force.imag / size)):
         loaded = replace(clean.scene, loads=(*clean.scene.loads, Force(body, point, along)))
         there = registry.reference(loaded)(clean.true[clean.drive], clean.true["time"])
-        more = {c: motion[c] + share * (there[c] - clean.true[c]) for c in force_channels(clean.scene)}
+        more = {c: motion[c] + share * (there[c] - clean.true[c]) for c in clean.scene.channels.names(Role.force)}
         motion = spoilt.replaced(motion, more)
     return motion

@@ -13,7 +13,8 @@ from compare.judge.causes.cause import Kind
 from compare.mechanics.bodies import first_point
 from compare.mechanics.motion_vectors import Vectors
 from scenes import Motion
-from scenes.model.motion import Samples, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .fault import OF_BODIES, OF_POINTS, Clean, Fault
@@ -58,7 +59,7 @@ def frames(clean: Clean) -> Iterator[Fault]:
         for stem in clean.some(clean.stems(what), kind, 2):
             names = [f"{stem}.{what}"] + ([f"{stem}.{what[:-1]}y"] if what.endswith("x") else [])
             yield Fault("frame", kind, factor, Kind.unit, stem, partial(spoilt.scaled, clean.motion, names, factor))
-    for what in dict.fromkeys(quantity(channel) for channel in clean.channels):
+    for what in dict.fromkeys(named(channel).name for channel in clean.channels):
         for by in (0.1, 0.01, 3 * clean.promise):
             for stem in clean.some(clean.stems(what), f"{what} by a factor {by}"):
                 change = partial(spoilt.scaled, clean.motion, [f"{stem}.{what}"], 1 + by)

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.cause import Kind, common, stem
-from compare.mechanics.mechanics import GROUPS
+from compare.judge.causes.cause import Kind, common
 from scenes import Failure, Motion
-from scenes.model.motion import Samples, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from .fault import OF_BODIES, Clean, Fault
@@ -38,10 +38,10 @@ def times(clean: Clean) -> Iterator[Fault]:
         yield fault(f"all early by {by}", far, early, all_channels, Kind.lag)
     yield from _late_by_a_little(clean)
     for what, names in clean.grouped("velocity", "acceleration", "reaction", "torque", "force"):
-        yield fault(f"{what} late by a sample", 1, late, names, Kind.lag, common(names))
+        yield fault(f"{what} late by a sample", 1, late, names, Kind.lag, common(clean.scene.channels, names))
     for what, stems in {"point": clean.stems("vx"), "body": clean.stems("omega"), "joint": clean.stems("fx")}.items():
         for place in clean.some(stems, f"{what} late"):
-            own = {name for name in clean.channels if stem(name) == place}
+            own = {name for name in clean.channels if clean.scene.channels[name].owner == place}
             if what == "joint":
                 own &= {*clean.of("fx", "fy")}
             yield fault(f"a {what} late by a sample", 1, late, own, Kind.lag, place)
@@ -107,12 +107,12 @@ def data(clean: Clean) -> Iterator[Fault]:
         return Fault("data", kind, 1, cause, place, change)
 
     def other(kind: str, name: str, samples: NDArray[Any], cause: Kind = Kind.missing) -> Fault:
-        kind = f"{kind}: {GROUPS[quantity(name)]}"
-        return fault(kind, stem(name), partial(spoilt.replaced, motion, {name: samples}), cause)
+        kind = f"{kind}: {named(name).group}"
+        return fault(kind, clean.scene.channels[name].owner, partial(spoilt.replaced, motion, {name: samples}), cause)
 
-    groups = {GROUPS[quantity(name)]: name for name in clean.some([*clean.channels, clean.drive], "data", 1000)}
+    groups = {named(name).group: name for name in clean.some([*clean.channels, clean.drive], "data", 1000)}
     for group, name in groups.items():
-        own, place = motion[name], stem(name)
+        own, place = motion[name], clean.scene.channels[name].owner
         for kind, value in {"NaN": np.nan, "infinity": np.inf, "minus infinity": -np.inf}.items():
             change = partial(spoilt.at_row, motion, name, count // 3, value)
             yield fault(f"{kind} at a sample: {group}", place, change, Kind.nonfinite)
@@ -127,7 +127,9 @@ def data(clean: Clean) -> Iterator[Fault]:
                 yield other(f"a channel {kind}", name, np.full_like(own, value), Kind.constant)
     for group, names in clean.grouped("velocity", "acceleration", "reaction", "torque", "force"):
         declared = partial(spoilt.without, motion, names, "cannot be had")
-        yield fault(f"all channels of a group declared unsupported: {group}", common(names), declared)
+        yield fault(
+            f"all channels of a group declared unsupported: {group}", common(clean.scene.channels, names), declared
+        )
     yield fault("a row too few", "all", partial(spoilt.taken, motion, range(count - 1)))
     yield fault("a row too many", "all", partial(spoilt.taken, motion, [*range(count), count - 1]))
     yield fault("no rows", "all", partial(spoilt.taken, motion, []))
@@ -138,9 +140,11 @@ def data(clean: Clean) -> Iterator[Fault]:
 def solutions(clean: Clean) -> Iterator[Fault]:
     """Yield what poor solutions look like: noise, drift, spikes, ringing, differences, fewer digits."""
     motion, p, count = clean.motion, clean.promise, clean.sampling.count
-    for what in dict.fromkeys(quantity(name) for name in clean.channels):
+    for what in dict.fromkeys(named(name).name for name in clean.channels):
         for by in (0.1, 5 * p):
-            for place in clean.some(map(stem, clean.of(what)), f"noise {what} {by}"):
+            for place in clean.some(
+                (clean.scene.channels[name].owner for name in clean.of(what)), f"noise {what} {by}"
+            ):
                 name = f"{place}.{what}"
                 size = {name: float(by * clean.size(name).max())}
                 noise = partial(_noisy, motion, [name], size)
@@ -164,7 +168,14 @@ def _coarse(clean: Clean) -> Iterator[Fault]:
     motion, step = clean.motion, clean.scene.cycle / clean.sampling.samples
 
     def fault(kind: str, size: float, cause: Kind, samples: Mapping[str, Samples]) -> Fault:
-        return Fault("solver", kind, size, cause, common(samples), partial(spoilt.replaced, motion, samples))
+        return Fault(
+            "solver",
+            kind,
+            size,
+            cause,
+            common(clean.scene.channels, samples),
+            partial(spoilt.replaced, motion, samples),
+        )
 
     of_points = [("", "v", "velocity"), ("v", "a", "acceleration")]
     for before, after, what in (*of_points, ("angle", "omega", "omega"), ("omega", "alpha", "alpha")):

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 import scenes
 from scenes import InputError
-from scenes.model.motion import channels
 from tests.comparisons import SLOW
 from tests.faults.mutated_scenes import mutated, slightly_mutated
 
@@ -37,7 +36,7 @@ def test_a_scene_or_one_line(count: int) -> None:
             assert len(line) < len(f"{file}: ") + 500
             ends["refused"] += 1
         else:
-            assert "time" in channels(scene)
+            assert "time" in scene.channels.names()
             ends["loaded"] += 1
         assert process_time() - started < AT_ONCE
 

@@ -8,7 +8,7 @@ from itertools import permutations
 import numpy as np
 
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.cause import Kind, stem
+from compare.judge.causes.cause import Kind
 from scenes.fields import put
 from scenes.model.motion import Samples
 from scenes.scene import PinFriction, PressForce
@@ -78,7 +78,7 @@ def friction(clean: Clean) -> Iterator[Fault]:
             drag = size * np.abs(v) / np.abs(v).max()
             yield of_drive("viscous friction at a guide, by the drive alone", by, name, drag * np.abs(v) / rate)
         for pin in clean.some(scene.pins, f"pin {by}") if turns_on else ():
-            force = np.abs(clean.state.vector(f"{pin.channel}.", "fx", "fy"))
+            force = np.abs(clean.state.vector(*clean.state.scene.channels.pins[pin.channel]))
             turning = np.abs(clean.state.turning(pin.second)[1] - clean.state.turning(pin.first)[1])
             lost = by * 0.05 * clean.reference.stroke * force * turning
             yield of_drive("friction in a pin, by the drive alone", by, pin.channel, lost / rate)
@@ -98,15 +98,15 @@ def friction_of_joints(clean: Clean) -> Iterator[Fault]:
     every, resisting = range(len(rubs)), ("coefficient", "viscous")
     for what, factor in {"left out": 0.0, "of the wrong sign": -1.0}.items():
         for numbers in [*((number,) for number in clean.some(every, what, 2)), *([every] if len(rubs) > 1 else [])]:
-            place = "all" if len(numbers) > 1 else stem(rubs[numbers[0]].channel(scene))
+            place = "all" if len(numbers) > 1 else rubs[numbers[0]].joint(scene)
             changed = {at: size for key in resisting for at, size in times(factor, key, *numbers).items()}
             kind = f"{'all ' if place == 'all' else ''}friction {what}"
             yield fault(kind, 1 - factor, place, changed)
     for by in (1.0, *SIZES):
         for key in (*resisting, "radius", "length"):
             for number in clean.some([n for n in every if getattr(rubs[n], key, None)], f"{key} {by}"):
-                yield fault(f"friction's {key}", by, stem(rubs[number].channel(scene)), times(1 + by, key, number))
+                yield fault(f"friction's {key}", by, rubs[number].joint(scene), times(1 + by, key, number))
     pins = {number: one for number, one in enumerate(rubs) if isinstance(one, PinFriction)}
     for one, other in clean.some(permutations(pins, 2), "another pin", 2):
         changed = {**times(0.0, "radius", one), **times(1 + pins[one].arm / pins[other].arm, "radius", other)}
-        yield fault("friction at another pin", 1, stem(pins[one].channel(scene)), changed)
+        yield fault("friction at another pin", 1, pins[one].joint(scene), changed)

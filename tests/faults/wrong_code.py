@@ -22,11 +22,10 @@ from compare.judge.causes.cause import Kind
 from compare.judge.floor import establish
 from compare.judge.judgement import judgement
 from compare.judge.measure import assess, gates, missed, offers
-from compare.mechanics.mechanics import GROUPS
 from compare.mechanics.reference import uncertified
 from compare.mechanics.round_off import explain
 from scenes import Motion, Settings, Status, load
-from scenes.model.motion import quantity
+from scenes.channels import named
 
 from .catalogue import catalogue
 from .fault import Clean, Fault, above
@@ -173,7 +172,7 @@ def _to_be_refused(name: str) -> tuple[Judgement, tuple[Run, ...]]:
         motions = [fault.spoil() for fault in faults[:: max(len(faults) // FAULTS, 1)] if fault.spoil]
         allowed = clean.scene.tolerances.get(measured.run.engine, {})
         for channel in of.channels[:: max(len(of.channels) // FAULTS, 1)]:
-            for most in {of.promise, allowed.get(GROUPS[quantity(channel)], of.promise)}:
+            for most in {of.promise, allowed.get(named(channel).group, of.promise)}:
                 motions.append(shifted(of.motion, {channel: CLEAR * most * of.size(channel).max()}))
         spoilt += [replace(measured.run, motion=motion) for motion in motions]
     return clean, tuple(one for one in spoilt if not _passes(clean, one))

@@ -10,8 +10,8 @@ import pytest
 import scenes
 from compare.engines.runner import Run, run
 from scenes import InputError, Motion, Sampling, Status, hard
+from scenes.channels import named
 from scenes.hard import Ladder, Rung
-from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import sampled
@@ -41,7 +41,7 @@ def motion_of(ran: Run) -> Motion:
 def peak(rung: Rung, *quantities: str) -> float:
     """The largest magnitude of any channel of these quantities."""
     samples = motion_of(solved(rung)).samples
-    return max(float(np.abs(values).max()) for channel, values in samples.items() if quantity(channel) in quantities)
+    return max(float(np.abs(values).max()) for channel, values in samples.items() if named(channel).name in quantities)
 
 
 def test_ladders_are_no_shipped_scenes_and_long_ones_apart() -> None:
@@ -92,7 +92,7 @@ def test_the_distance_to_the_lock_is_the_label(name: str) -> None:
     rungs = [rung for rung in hard.ladder(name).rungs if rung.status == "ok"]
     for rung in rungs:
         samples = motion_of(solved(rung)).samples
-        (nearest,) = (values.min() for channel, values in samples.items() if quantity(channel) == "to_lock")
+        (nearest,) = (values.min() for channel, values in samples.items() if named(channel).name == "to_lock")
         assert nearest == pytest.approx(float(rung.label), abs=6e-16, rel=0)
     if not name.startswith("kite"):
         assert [rung.label for rung in rungs] == DECADES

@@ -6,7 +6,7 @@ from typing import Any
 
 from scenes import Motion, Request, Sampling, Scene, Settings, shipped
 from scenes.elements import PLAIN_KINDS
-from scenes.model.motion import Samples, channels
+from scenes.model.motion import Samples
 from tests import scene_files
 from tests.absolute_coordinates import solve
 from tests.agreement import errors
@@ -45,5 +45,5 @@ def off(engine: Any, name: str, settings: Settings | None = None) -> dict[str, f
     """Return the largest relative error of every channel of a scene, all of which have to be there."""
     scene, expected = truth(name)
     motion = run(engine, scene, settings)
-    assert set(motion.samples) == set(channels(scene))
+    assert set(motion.samples) == set(scene.channels.names())
     return {channel: float(error.max()) for channel, error in errors(motion, expected).items()}

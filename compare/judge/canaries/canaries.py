@@ -12,8 +12,8 @@ from itertools import cycle
 import numpy as np
 
 from scenes import Status
+from scenes.channels import Role
 from scenes.fields import put
-from scenes.model.motion import force_channels, friction_channels
 
 from ...engines import registry
 from ..agreement import Judgement
@@ -48,8 +48,9 @@ def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
 
     opposite = partial(spoilt.scaled, names=[largest], factor=-1)
     yield f"{largest} of the opposite sign", partial(noticed.refused_if_moved, opposite)
-    vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x") and f"{c[:-1]}y" in sizes]
-    apart = [(x, y) for x, y in vectors if np.abs(first.motion[x] - first.motion[y]).max() > APART * scale[x]]
+    vectors = [scene.channels[name].components for name in sizes if scene.channels[name].axis == "x"]
+    both = [(x, y) for x, y in vectors if y in sizes]
+    apart = [(x, y) for x, y in both if np.abs(first.motion[x] - first.motion[y]).max() > APART * scale[x]]
     for x, y in apart[-1:]:
         yield f"{x} and {y} swapped", partial(noticed.refused, partial(spoilt.swapped, first=[x], second=[y]))
     every, late = {*channels, drive}, partial(spoilt.taken, rows=[0, *range(count - 1)])
@@ -85,7 +86,7 @@ def _lagging(copy: noticed.Thinned) -> bool:
 
 def _another_mass(copy: noticed.Thinned) -> bool:
     """Whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
-    scene, forces = copy.scene, force_channels(copy.scene) + friction_channels(copy.scene)
+    scene, forces = copy.scene, copy.scene.channels.names(Role.force, Role.friction)
     body = max(scene.bodies.values(), key=lambda body: (body.name not in scene.driven, body.mass or 0.0))
     heavier = put(scene, {("bodies", body.name): replace(body.weighed, mass=(body.mass or 0.0) + 1.0)})
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]

@@ -8,12 +8,12 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, Motion, Sampling, Status
+from scenes.channels import Role
 from scenes.drive import Drive
-from scenes.model.motion import Samples, channels, force_channels, quantity
+from scenes.model.motion import Samples
 
 from ...engines.runner import Run, complete
 from ...mechanics.friction import resting
-from ...mechanics.mechanics import GROUPS
 from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference, on_switch
 from ...mechanics.round_off import Explained, perturbed
@@ -57,7 +57,7 @@ class Thinned:
         self.true = reference.at(asked.commanded(self.scene), asked.times(self.scene))  # what it should be
         self.drive = self.scene.drive_channel
         # Where all channels are there, its own output has to show that it is wrong.
-        self.complete = self.motion.samples.keys() >= {*channels(self.scene)}
+        self.complete = self.motion.samples.keys() >= {*self.scene.channels.names()}
         # What errors are relative to, by channel, within a factor of two, each of shape (n,).
         self.sizes = sizes(self.scene, reference.cycle, self.true, reference.scale)
 
@@ -83,7 +83,8 @@ class Thinned:
         except Failure:
             others = []
         moved = [Motion({channel: other[channel] - self.true[channel] for channel in other}) for other in others]
-        relative = {c: [length(motion, c) / size for motion in moved] for c, size in self.sizes.items()}
+        rows = {self.scene.channels[c]: size for c, size in self.sizes.items()}
+        relative = {row.name: [length(row, motion) / size for motion in moved] for row, size in rows.items()}
         return {c: ROUNDINGS * np.max([self.explained.left(c), *of], axis=0) for c, of in relative.items()}
 
     def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
@@ -104,7 +105,7 @@ def refused(spoil: Spoil, copy: Thinned) -> bool:
 def refused_if_moved(spoil: Spoil, copy: Thinned) -> bool:
     """The same of a motion with all its channels, which is not wrong where they stay within what it promises."""
     moved, allowed = spoil(copy.motion), copy.amounts(CLEAR)
-    off = {c: abs(apart(c, moved[c], copy.motion[c])) for c in allowed}
+    off = {c: abs(apart(copy.scene.channels[c], moved[c], copy.motion[c])) for c in allowed}
     return all((off[c] <= allowed[c]).all() for c in allowed) or refused(spoil, copy)
 
 
@@ -162,18 +163,18 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
 
 
 def _balance_notices(copy: Thinned, times: float, drive: Drive) -> bool:
-    scene, (*others, effort), driven = copy.scene, force_channels(copy.scene), drive.body
-    force = times * max(float(copy.sizes[channel].max()) for channel in (*others, effort))
+    scene, driven, effort, channels = copy.scene, drive.body, drive.effort_channel, copy.scene.channels
+    force = times * max(float(copy.sizes[name].max()) for name in channels.names(Role.force))
     couple = ARMS * force * copy.reference.mechanics.size
     if drive.slide is None:
-        joint = next(f"{pin.channel}.fx" for pin in scene.pins if driven in (pin.first, pin.second))
+        joint = next(channels.pins[pin.channel][0] for pin in scene.pins if driven in (pin.first, pin.second))
         both: dict[str, Samples | float] = {joint: force, effort: couple}
         power: dict[str, Samples | float] = {effort: couple}
     else:
-        both, ends = {effort: force, f"{driven}.guide_moment": couple}, (driven, drive.on)
+        both, ends = {effort: force, channels.guides[driven].moment: couple}, (driven, drive.on)
         point = next(p for p in (scene.bodies[name].points[0] for name in ends) if p in scene.moving_points)
         along = MotionVectors(scene, copy.true).along(scene.bodies[driven])
-        way = ((f"{point}.vx", along.real), (f"{point}.vy", along.imag))
+        way = zip(channels.points[point].velocity, (along.real, along.imag), strict=True)
         # Its own speed may be nothing beside that of other points: for power it is made fast, too.
         power = both | {rate: times * part * float(copy.sizes[rate].max()) for rate, part in way}
     return all(
@@ -205,7 +206,7 @@ def each_channel_is_seen(copy: Thinned) -> bool:
 
 def _last_is_seen(copy: Thinned) -> bool:
     """Whether errors in the last channel of each group alone break the promise, and miss every tolerance."""
-    amounts, last = copy.amounts(CLEAR), {GROUPS[quantity(channel)]: channel for channel in copy.excess(CLEAR)}
+    amounts, last = copy.amounts(CLEAR), {copy.scene.channels[name].group: name for name in copy.excess(CLEAR)}
     measured = _against(copy, {channel: amounts[channel] for channel in last.values()})
     least = min(map(np.min, copy.excess(CLEAR).values())) / 2
     return measured.run.found_by == "reference" and _all_missed(copy, replace(measured, run=copy.run), least)
@@ -222,7 +223,8 @@ def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
 
 def _all_missed(copy: Thinned, measured: Measurement, tolerance: float) -> bool:
     """Whether a tolerance of each group of channels is missed."""
-    groups = {GROUPS[quantity(c)] for c in copy.motion.samples if c != "time" and c in copy.reference.scale}
+    scaled = copy.reference.scale.keys() & copy.motion.samples.keys() - {"time"}
+    groups = {copy.scene.channels[name].group for name in scaled}
     held = replace(copy.scene, tolerances={copy.run.engine: dict.fromkeys(groups, tolerance)})
     gated = [*gates(held, [measured])]
     return {gate.group for gate in gated} == groups and len(missed([measured], gated)) >= len(groups)

@@ -5,16 +5,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple
 
-from scenes.model.motion import quantity
+from scenes.channels import Channel, Channels, Role
 
-from ...mechanics.mechanics import GROUPS
-from ...results.frame import ANGLES as ANGLES
-
-MOVING, TURNING = ("x", "y", "vx", "vy", "ax", "ay"), ("angle", "omega", "alpha")
-REACTIONS = ("fx", "fy", "guide_force", "guide_moment")
-FORCES = (*REACTIONS, "torque", "force", "friction_moment", "friction_force", "power")
-GENERAL = {of: "force" if of in FORCES else group for of, group in GROUPS.items() if group != "drive"}
-VECTORS = {of: general for of, general in GENERAL.items() if of[-1] in "xy"}
 MANY = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations", "force": "forces"}
 POSES = MANY | {"position": "poses"}
 
@@ -64,11 +56,7 @@ class Part(NamedTuple):
     name: str  # what they are called
     channels: tuple[str, ...]
     many: bool = False  # whether the name is a plural
-
-    @property
-    def place(self) -> str:
-        """The body, joint or point that all of them are of, `drive`, or `all`."""
-        return common(self.channels)
+    place: str = "all"  # the body, joint or point that all of them are of, `drive`, or `all`
 
     def cause(self, kind: Kind, text: str, *amounts: float, names: tuple[str, ...] = ()) -> "Cause":
         """What may be wrong with these channels."""
@@ -97,46 +85,57 @@ class Cause:
 UNKNOWN = Cause()
 
 
-def stem(channel: str) -> str:
-    """Return whose channel it is: a point, a joint, a body, or the drive."""
-    return channel.rpartition(".")[0] or "drive"
-
-
-def common(channels: Iterable[str]) -> str:
+def common(channels: Channels, names: Iterable[str]) -> str:
     """Return whose channels they are: one's, or `all`."""
-    stems = {stem(channel) for channel in channels}
-    return stems.pop() if len(stems) == 1 else "all"
+    owners = {channels[name].owner for name in names}
+    return owners.pop() if len(owners) == 1 else "all"
 
 
-_NAMES: Sequence[tuple[bool, Callable[[str], str]]] = (  # whether it is a plural, and what a channel belongs to, if any
-    (False, lambda c: c),
-    (False, lambda c: f"{stem(c)}'s {VECTORS[quantity(c)]}" if quantity(c) in VECTORS else ""),
-    (False, stem),
-    (False, lambda c: f"{stem(c)} along {c[-1]}" if quantity(c) in MOVING else ""),
-    (False, lambda c: f"{stem(c)}'s motion" if quantity(c) in MOVING else ""),
-    (False, lambda c: f"{stem(c)}'s angle and its rates" if quantity(c) in TURNING else ""),
-    (False, lambda c: f"all {quantity(c)}"),
-    (True, lambda c: f"all {MANY[VECTORS[quantity(c)]]} of points" if quantity(c) in VECTORS else ""),
-    (True, lambda c: "all vectors" if quantity(c) in VECTORS else ""),
-    (True, lambda c: f"all {POSES[GENERAL[quantity(c)]]}" if quantity(c) in GENERAL else ""),
-    (True, lambda c: "all rates" if GENERAL.get(quantity(c)) in ("velocity", "acceleration") else ""),
-    (True, lambda c: "all reactions" if quantity(c) in REACTIONS else ""),
-    (True, lambda c: "all angles and their rates" if quantity(c) in TURNING else ""),
-    (False, lambda c: f"all along {quantity(c)[-1]}" if quantity(c) in VECTORS else ""),
-    (False, lambda c: "" if quantity(c) in FORCES else "all of the motion"),
+def general(channel: Channel) -> str:
+    """What is the same for several quantities: `position`, `velocity`, `acceleration`, `force`; empty of a drive."""
+    return "force" if channel.is_force else channel.group if channel.role is Role.kinematic else ""
+
+
+def _moves(channel: Channel) -> bool:
+    return channel.kind == "point" and channel.role is Role.kinematic
+
+
+def _of_vector(channel: Channel) -> str:
+    return general(channel) if channel.axis else ""
+
+
+_NAMES: Sequence[tuple[bool, Callable[[Channel], str]]] = (  # whether it is a plural, and what a channel belongs to
+    (False, lambda c: c.name),
+    (False, lambda c: f"{c.owner}'s {general(c)}" if _of_vector(c) else ""),
+    (False, lambda c: c.owner),
+    (False, lambda c: f"{c.owner} along {c.axis}" if _moves(c) else ""),
+    (False, lambda c: f"{c.owner}'s motion" if _moves(c) else ""),
+    (False, lambda c: f"{c.owner}'s angle and its rates" if c.kind == "body" else ""),
+    (False, lambda c: f"all {c.quantity}"),
+    (True, lambda c: f"all {MANY[general(c)]} of points" if _of_vector(c) else ""),
+    (True, lambda c: "all vectors" if _of_vector(c) else ""),
+    (True, lambda c: f"all {POSES[general(c)]}" if general(c) else ""),
+    (True, lambda c: "all rates" if general(c) in ("velocity", "acceleration") else ""),
+    (True, lambda c: "all reactions" if c.role is Role.force and c.kind in ("pin", "guide") else ""),
+    (True, lambda c: "all angles and their rates" if c.kind == "body" else ""),
+    (False, lambda c: f"all along {c.axis}" if _of_vector(c) else ""),
+    (False, lambda c: "" if c.is_force else "all of the motion"),
 )
 
 
-def parts(names: Sequence[str], drive: str) -> list[Part]:
-    """Return all parts of a motion that has these channels, one of them the drive's, each with what it is called."""
+def parts(channels: Channels, names: Sequence[str]) -> list[Part]:
+    """Return all parts of a motion that has these channels, the drive's among them, each with what it is called."""
     known: dict[frozenset[str], tuple[str, bool]] = {}
     for many, name_of in _NAMES:
         grouped: dict[str, list[str]] = {}
         for channel in names:
-            if name := name_of(channel):
+            if name := name_of(channels[channel]):
                 grouped.setdefault(name, []).append(channel)
-        for name, channels in grouped.items():
-            known.setdefault(frozenset(channels), (name, many))
+        for name, alike in grouped.items():
+            known.setdefault(frozenset(alike), (name, many))
     known.setdefault(frozenset(names), ("all", False))
-    known.setdefault(frozenset(names) - {drive}, ("all but the drive", False))
-    return [Part(name, tuple(c for c in names if c in own), many) for own, (name, many) in known.items()]
+    known.setdefault(frozenset(names).difference(channels.names(Role.input)), ("all but the drive", False))
+    return [
+        Part(name, tuple(c for c in names if c in alike), many, common(channels, alike))
+        for alike, (name, many) in known.items()
+    ]

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Rows, Scene
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import Samples
 
 from ...engines import registry
 from ...mechanics.friction import resting
 from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference
 from ...mechanics.scales import apart, sizes
-from .cause import FORCES, Cause, Part, parts
+from .cause import Cause, Part, parts
 
 ROWS = 400  # at most, but for those about the worst: all of a usual run
 ABOUT = 10  # rows on either side of the worst
@@ -56,19 +56,20 @@ class Evidence:
         compared = (c for c in motion.samples if c != "time" and c in reference.scale and c in true)
         self.names = tuple(compared)  # the channels that are compared
         # What the deviation of each channel is divided by: its scale, or its magnitude where that is larger.
-        self.scale = {c: sizes(true, c, reference.scale[c]) for c in self.names}
+        self.channels = self.scene.channels
+        self.scale = {c: sizes(true, self.channels[c], reference.scale[c]) for c in self.names}
         self.deviation = {c: self.difference(c, true[c]) for c in self.names}  # more than it should be
         squares = {c: own**2 for c, own in self.deviation.items()}
         self.off = {c: float(np.sum(own)) for c, own in squares.items()}  # summed over the rows
         self.by_row = np.asarray(np.sum([*squares.values()], axis=0))  # summed over the channels
         self.total = sum(self.off.values())  # the square of the whole deviation
-        forces = [c for c in self.names if quantity(c) in FORCES]  # whether nearly all of it is in them
+        forces = [c for c in self.names if self.channels[c].is_force]  # whether nearly all of it is in them
         self.of_forces = bool(forces) and self.total > 0 and self.outside(forces) <= NEARLY_ALL
         self._late: dict[float, Channels] = {}
 
     def difference(self, channel: str, other: Samples) -> Samples:
         """Return by how much the motion's channel is more than another, over its scale, angles modulo one turn."""
-        return apart(channel, self.given[channel], other) / self.scale[channel]
+        return apart(self.channels[channel], self.given[channel], other) / self.scale[channel]
 
     def outside(self, channels: Iterable[str]) -> float:
         """Return the rest that a cause leaves over which explains all of these channels and no other."""
@@ -101,7 +102,7 @@ class Evidence:
     @cached_property
     def parts(self) -> list[Part]:
         """Channels that a read-out treats alike, and hold nearly all: a channel, a vector, all of a body, ..."""
-        return [part for part in parts(self.names, self.drive) if self.outside(part.channels) <= EXPLAINED]
+        return [part for part in parts(self.channels, self.names) if self.outside(part.channels) <= EXPLAINED]
 
     def at(self, kept: NDArray[np.intp]) -> "Evidence":
         """Return the evidence at some of its rows."""
@@ -138,7 +139,7 @@ class Evidence:
             ways = [predict(x + step) for step in np.diag(steps)]
             if not all((now, *ways)):
                 return x, {}
-            slopes = [{c: apart(c, way[c], now[c]) for c in now if c in self.names} for way in ways]
+            slopes = [{c: apart(self.channels[c], way[c], now[c]) for c in now if c in self.names} for way in ways]
             change = self.added(slopes, now)[0] * steps
             for shorter in (1.0, 0.5, 0.2, 0.05):
                 then = predict(x + shorter * change)

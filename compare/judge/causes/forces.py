@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
+from scenes.channels import Role
 from scenes.elements.element import Element
 from scenes.elements.friction import Friction, GuideFriction, PinFriction
 from scenes.elements.loads import Load
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import Samples, force_channels, friction_channels
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ...mechanics import friction
@@ -27,7 +28,7 @@ from ...mechanics.bodies import weights
 from ...mechanics.contacts import CONTACTS
 from ...mechanics.elements import Push, generalised, of_element, weight
 from ...mechanics.motion_vectors import MotionVectors
-from .cause import Cause, Kind, stem
+from .cause import Cause, Kind
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
 from .scene_numbers import kind_of
 
@@ -53,7 +54,7 @@ class Carried(MotionVectors):
 
         The law is repeated, as the joints carry friction.
         """
-        true, rubbing = self.motion.samples, friction_channels(self.scene)
+        true, rubbing = self.motion.samples, self.scene.channels.names(Role.friction)
         before, pushed = self._of(*self.resisting), self._of(*pushes)
         now = {**true}
         for _ in range(ROUNDS if rubbing else 1):
@@ -66,7 +67,7 @@ class Carried(MotionVectors):
         """Return by how much the force channels change where bodies are pushed; on the ground it is nothing."""
         forces = generalised(self, pushes, self.evidence.reference.mechanics.size)
         changed = -np.einsum("nm,nmc->nc", forces, self._inverse)
-        return dict(zip(force_channels(self.scene), changed.T, strict=True))
+        return dict(zip(self.scene.channels.names(Role.force), changed.T, strict=True))
 
     def instead(
         self, of: Element, text: str, *pushes: Push, by: Sequence[float] = (), names: Sequence[str] = ()
@@ -215,7 +216,7 @@ def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, Iterat
     for one in joints:
         channel, joint = one.channel(scene), CONTACTS[type(one)].joint
         unit = replace(carried, motion=Motion({**samples, channel: resisting}))
-        cause = Cause(Kind.friction, stem(channel), f"{joint} has friction ({{one}}, {{number}})")
+        cause = Cause(Kind.friction, one.joint(scene), f"{joint} has friction ({{one}}, {{number}})")
         yield cause, friction.rate(carried, one), friction.load(scene, one, forces), of_element(unit, one)
 
 
@@ -235,5 +236,5 @@ def _elsewhere(evidence: Evidence) -> Iterator[Hypothesis]:
         if other != own and (solved := evidence.solved(replace(scene, friction=tuple(every.values())))):
             shown = 0 * solved[other] if standing else solved[other]
             text = "the friction of {place} acts at {one}"
-            cause = Cause(Kind.friction, stem(own), text, names=(pin.channel,))
+            cause = Cause(Kind.friction, one.joint(scene), text, names=(pin.channel,))
             yield Hypothesis(cause, {own: shown, **{c: values for c, values in solved.items() if c in evidence.true}})

@@ -7,13 +7,14 @@ from math import pi
 
 import numpy as np
 
+from scenes.channels import Channel, Role
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ...mechanics.motion_vectors import MotionVectors, Vectors
-from ...results.frame import COMPONENTS, unit_near
-from .cause import ANGLES, FORCES, TURNING, Cause, Kind, Part, parts, stem
+from ...results.frame import unit_near
+from .cause import Cause, Kind, Part, parts
 from .evidence import EXPLAINED, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
 
 KNOWN_NUMBER = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
@@ -46,25 +47,26 @@ def in_some_rows(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     channels, true = part.channels, evidence.true
+    rows = [evidence.channels[c] for c in channels]
     if all(np.ptp(evidence.motion[c]) == 0 < np.ptp(true[c]) for c in channels):
         held = {c: evidence.given[c] for c in channels}
         text = "{part} {is} constant" if any(own.any() for own in held.values()) else "{part} {is} zero"
         yield Hypothesis(part.cause(Kind.constant, text), held)
         return
     kind, text = Kind.sign, "{part} {has} the opposite sign"
-    if len(channels) > 1 and all(quantity(c) in FORCES for c in channels):
+    if len(channels) > 1 and all(row.is_force for row in rows):
         text += ", as on the other body"
-    along = tuple(c for c in evidence.names if quantity(c) in COMPONENTS and c[-1] == channels[0][-1])
+    along = tuple(c for c in evidence.names if evidence.channels[c].axis == rows[0].axis != "")
     if part.place == "all" and channels == along:
         kind, text = Kind.frame, "{part} points the other way"
     yield Hypothesis(part.cause(kind, text), {c: -true[c] for c in channels})
     counted = {c: _on_turn(evidence, c, 1.0) for c in channels}
-    turning = {quantity(c) for c in channels}  # what angles count modulo a turn hides their factor
-    in_degrees = (180 / pi, pi / 180) if turning & {*ANGLES} and turning <= {*ANGLES, *TURNING} else ()
+    turning = any(row.is_angle for row in rows) and all(row.is_angle or row.kind == "body" for row in rows)
+    in_degrees = (180 / pi, pi / 180) if turning else ()  # what angles count modulo a turn hides their factor
     for times in (1 + float(evidence.added([counted])[0][0]), *in_degrees):
         if abs(times + 1) <= KNOWN_NUMBER:
             continue  # the opposite sign
-        names = _units(times, channels)
+        names = _units(times, [row.unit for row in rows])
         known = bool(names) or any(abs(times - known) <= KNOWN_NUMBER * known for known in FACTORS)
         text = "{part} {is} {times}" + ", {one} in place of {two}" * bool(names)
         own = {c: _on_turn(evidence, c, times) for c in channels} if times in in_degrees else counted
@@ -75,14 +77,13 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 def _on_turn(evidence: Evidence, channel: str, times: float) -> Samples:
     """Return a channel as it should be; an angle in the turn from which its samples are, times a factor."""
     true = evidence.true[channel]
-    if quantity(channel) not in ANGLES:
+    if not evidence.channels[channel].is_angle:
         return true
     return np.asarray(true + 2 * pi * np.round((evidence.given[channel] / times - true) / (2 * pi)))
 
 
-def _units(times: float, channels: Sequence[str]) -> tuple[str, ...]:
-    """Return the unit that channels are in and that which they are read in, as their factor shows, or nothing."""
-    si = [UNITS[quantity(c)] for c in channels]
+def _units(times: float, si: Sequence[str]) -> tuple[str, ...]:
+    """Return the unit that channels of these in SI are in and that which they are read in, by their factor, if any."""
     for way in (times, 1 / times) if times > 0 else ():
         units = [unit_near(way, own, KNOWN_NUMBER) for own in si]
         if all(units) and units[0] != si[0]:
@@ -93,31 +94,34 @@ def _units(times: float, channels: Sequence[str]) -> tuple[str, ...]:
 def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield an offset of one channel, of a vector, or of one quantity of all."""
     channels = part.channels
-    quantities = dict.fromkeys(quantity(channel) for channel in channels)
-    if len(quantities) > 1 and not (len(channels) == 2 and _vectors(channels)):
+    rows = [evidence.channels[channel] for channel in channels]
+    quantities = dict.fromkeys(row.measured for row in rows)
+    if len(quantities) > 1 and not (len(channels) == 2 and _vectors(rows)):
         return
     off = {c: evidence.deviation[c] * evidence.scale[c] for c in channels}
     by = {}
     for q in quantities:  # of angles, which count modulo one turn, on the circle
-        own = np.array([off[c] for c in channels if quantity(c) == q])
-        by[q] = float(np.angle(np.mean(np.exp(1j * own))) if q in ANGLES else np.mean(own))
+        alike = [row for row in rows if row.measured == q]
+        own = np.array([off[row.name] for row in alike])
+        by[q] = float(np.angle(np.mean(np.exp(1j * own))) if alike[0].is_angle else np.mean(own))
     rate = inputs_of(evidence.scene, evidence.true["time"]).driven().rate
-    if part.place == "drive" and by.keys() <= {"torque", "force"} and (rate * sum(by.values()) > 0).all():
+    of_effort = all(row.role is Role.force and row.kind == "drive" for row in rows)
+    if of_effort and (rate * sum(by.values()) > 0).all():
         return  # friction of the drive
     kind = Kind.drive if channels == (evidence.drive,) else Kind.offset
     cause = part.cause(kind, "{part} {is} off by a constant, {numbers}", *by.values())
-    yield Hypothesis(cause, {c: evidence.true[c] + by[quantity(c)] for c in channels}, len(by))
+    yield Hypothesis(cause, {row.name: evidence.true[row.name] + by[row.measured] for row in rows}, len(by))
 
 
-def _vectors(channels: tuple[str, ...]) -> list[tuple[str, str]]:
+def _vectors(rows: Sequence[Channel]) -> list[tuple[str, str]]:
     """Return the pairs of components, or none where some channel is no component or its other one is missing."""
-    pairs = [(c, c[:-1] + "y") for c in channels if c[-1] == "x"]
-    return pairs if 2 * len(pairs) == len(channels) and all(y in channels for _, y in pairs) else []
+    pairs, names = [(x, y) for row in rows if row.axis == "x" for x, y in (row.components,)], {row.name for row in rows}
+    return pairs if 2 * len(pairs) == len(rows) and all(y in names for _, y in pairs) else []
 
 
 def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Vectors in a body's frame, turned by a constant angle, or with their components swapped."""
-    true, pairs = evidence.true, _vectors(part.channels)
+    true, pairs = evidence.true, _vectors([evidence.channels[c] for c in part.channels])
     if not pairs:
         return
     scene, state = evidence.scene, MotionVectors(evidence.scene, true)
@@ -133,7 +137,8 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         yield Hypothesis(part.cause(Kind.frame, text, names=(body,)), turned(dict.fromkeys(vectors, by)))
     pins = {pin.channel: (pin.first, pin.second) for pin in scene.pins}
     for end, which in ((0, "first"), (-1, "last")) if len(pairs) > 1 else ():
-        owner = {x: pins.get(stem(x), scene.owners.get(stem(x), (GROUND,)))[end] for x in vectors}
+        places = {x: evidence.channels[x].subject for x in vectors}
+        owner = {x: pins.get(place, scene.owners.get(place, (GROUND,)))[end] for x, place in places.items()}
         cause = part.cause(Kind.frame, "{part} {is} in the frames of the {one} bodies at the joints", names=(which,))
         yield Hypothesis(cause, turned({x: np.exp(-1j * state.angle(name)) for x, name in owner.items()}))
     weight = {x: evidence.scale[x] ** -2 for x in vectors}
@@ -150,8 +155,7 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Another joint's, point's or body's channels in place of these, or added to them, or taken from them."""
     channels, true = part.channels, evidence.true
-    one, *others = {stem(channel) for channel in channels}
-    if others:
+    if len({evidence.channels[c].owner for c in channels}) > 1:
         return
     ways = (
         ("{part} {is} that of {one}", 0, 1),
@@ -160,27 +164,31 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         ("{part} {is} relative to that of {one}", 1, -1),
     )
     for (other, theirs, at_one_pin), (text, a, b) in product(_others(evidence, part), ways):
-        relative = (a, b) == (1, -1) and quantity(channels[0]) in TURNING
+        relative = (a, b) == (1, -1) and evidence.channels[channels[0]].kind == "body"
         kind = Kind.pair if at_one_pin else Kind.frame if relative else Kind.copy
         predicted = {c: a * true[c] + b * true[t] for c, t in theirs.items()}
         yield Hypothesis(part.cause(kind, text, names=(other,)), predicted, 0 if at_one_pin else CHOICE)
-    for channel in (c for c in evidence.names if len(channels) == 1 and stem(c) == one and c != channels[0]):
+    beside = (c for c in evidence.names if evidence.channels[c].owner == part.place and c != channels[0])
+    for channel in beside if len(channels) == 1 else ():
         cause = part.cause(Kind.copy, "{part} is a copy of {one}", names=(channel,))
         yield Hypothesis(cause, {channels[0]: true[channel]}, CHOICE)
 
 
 def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str], bool]]:
     """Yield each other joint, point or body that has all channels of one, its own by these, and whether at one pin."""
-    for other in dict.fromkeys(map(stem, evidence.names)):
-        own = {c: f"{other}.{quantity(c)}" for c in part.channels}
-        if other not in (part.place, "drive") and all(theirs in evidence.true for theirs in own.values()):
-            yield other, own, part.place.partition("/")[0] == other.partition("/")[0]
+    rows = [evidence.channels[c] for c in part.channels]
+    for other in dict.fromkeys(evidence.channels[c].owner for c in evidence.names):
+        found = [evidence.channels.find(row.kind, other, row.quantity) for row in rows]
+        theirs = [row for row in found if row is not None and row.name in evidence.true]
+        if other not in (part.place, "drive") and len(theirs) == len(rows):
+            at_one_pin = rows[0].kind == "pin" and rows[0].point == theirs[0].point
+            yield other, {c: row.name for c, row in zip(part.channels, theirs, strict=True)}, at_one_pin
 
 
 def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
     """Two joints', points' or bodies' channels in place of each other."""
-    order = [*dict.fromkeys(map(stem, evidence.names))]
-    for part in parts(evidence.names, evidence.drive):
+    order = [*dict.fromkeys(evidence.channels[c].owner for c in evidence.names)]
+    for part in parts(evidence.channels, evidence.names):
         for other, theirs, at_one_pin in _others(evidence, part) if part.place not in ("all", "drive") else ():
             first = order.index(part.place) < order.index(other)
             if first and evidence.outside({*theirs, *theirs.values()}) <= EXPLAINED:
@@ -191,15 +199,17 @@ def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Accelerations of points without, or with the opposite sign of, what a body's turning adds to them."""
-    pairs = _vectors(part.channels)
-    if not pairs or {quantity(c) for c in part.channels} != {"ax", "ay"}:
+    rows = [evidence.channels[c] for c in part.channels]
+    pairs = _vectors(rows)
+    if not pairs or not all(row.kind == "point" and row.order == 2 for row in rows):
         return
     scene, state = evidence.scene, MotionVectors(evidence.scene, evidence.true)
     ways = {-1.0: "{part} {is} without {its} {one} term", -2.0: "{part} {has} the opposite sign of {its} {one} term"}
     for end, term, (times, text) in product((0, -1), ("centripetal", "tangential"), ways.items()):
         change: dict[str, Samples] = {}
         for x, y in pairs:
-            body, place = scene.owners[stem(x)][end], state.place(stem(x))
+            point = evidence.channels[x].subject
+            body, place = scene.owners[point][end], state.place(point)
             arm = place - state.place(scene.bodies[body].points[0]) if body != GROUND else 0j * place
             _, omega, alpha = state.turning(body)
             there = (-(omega**2) if term == "centripetal" else 1j * alpha) * arm
@@ -210,7 +220,6 @@ def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
     """Moments of guides about another point than the slider's first."""
     text = "{place}'s guide moment is about another point, {length} away"
-    for body in evidence.scene.bodies:
-        channel, force = f"{body}.guide_moment", f"{body}.guide_force"
-        if channel in evidence.names and evidence.outside([channel]) <= EXPLAINED:
-            yield evidence.with_amounts(Cause(Kind.moment, body, text), {channel: evidence.true[force]})
+    for slider, (force, moment) in evidence.channels.guides.items():
+        if moment in evidence.names and evidence.outside([moment]) <= EXPLAINED:
+            yield evidence.with_amounts(Cause(Kind.moment, slider, text), {moment: evidence.true[force]})

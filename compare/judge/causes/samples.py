@@ -1,17 +1,17 @@
 """Causes in the samples: missing, held, spoilt, out of order, late, smoothed, noisy, or differences of each other."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import Samples
 
 from ...engines.runner import ON_TIME
 from ...mechanics.reference import Reference
-from .cause import ANGLES, Cause, Kind, Part, common, stem
+from .cause import Cause, Kind, Part, common
 from .evidence import NEARLY_ALL, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
 
 FEW = 0.1  # of the samples
@@ -35,7 +35,7 @@ def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | 
     wanted = sampling.wanted(reference.scene)
     if missing := [c for c in wanted if c not in motion]:
         text = "{one} and {count} more are missing" if len(missing) > 1 else "{one} is missing"
-        return Cause(Kind.missing, common(missing), text, (len(missing) - 1,), (missing[0],))
+        return Cause(Kind.missing, common(reference.scene.channels, missing), text, (len(missing) - 1,), (missing[0],))
     for kind, text, bad in (
         (Kind.missing, "{one} is of {two}, not float64", lambda own: own.dtype != np.float64),
         (Kind.missing, "{one} has {count} samples of {of}", lambda own: own.shape != (sampling.count,)),
@@ -43,7 +43,8 @@ def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | 
     ):
         if wrong := [c for c in wanted if bad(motion[c])]:
             first = motion[wrong[0]]
-            return Cause(kind, common(wrong), text, (first.size, sampling.count), (wrong[0], str(first.dtype)))
+            place, amounts = common(reference.scene.channels, wrong), (first.size, sampling.count)
+            return Cause(kind, place, text, amounts, (wrong[0], str(first.dtype)))
     off = float(np.abs(motion["time"] - sampling.times(reference.scene)).max())
     return None if off <= ON_TIME * reference.scene.cycle else _instants(reference.scene, sampling, motion, off)
 
@@ -87,7 +88,7 @@ def _held(evidence: Evidence) -> Iterator[Hypothesis]:
             yield _of_rows(evidence, Kind.held, "{place} repeats a row, first at {where}", evidence.names, rows)
     elif some and len(some) <= 6:
         predicted = {c: true[c][_last_fresh(stay[c])] for c in some}
-        yield Hypothesis(Cause(Kind.held, common(some), "{place} repeats a sample"), predicted)
+        yield Hypothesis(Cause(Kind.held, common(evidence.channels, some), "{place} repeats a sample"), predicted)
 
 
 def _last_fresh(stay: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -102,8 +103,7 @@ def _of_rows(
 
 
 def _out_of_order(evidence: Evidence, channels: tuple[str, ...]) -> Iterator[Hypothesis]:
-    scale = evidence.reference.scale
-    true, given = (_rows(of, channels, scale) for of in (evidence.true, evidence.given))
+    true, given = (_rows(evidence, motion, channels) for motion in (evidence.true, evidence.given))
     off = np.sum((given - true) ** 2, axis=1)
     bad = np.flatnonzero(off > ROUNDING * off.max())
     distance = np.sum((given[bad, np.newaxis] - true[np.newaxis]) ** 2, axis=2)
@@ -114,9 +114,9 @@ def _out_of_order(evidence: Evidence, channels: tuple[str, ...]) -> Iterator[Hyp
         yield _of_rows(evidence, Kind.rows, "{place} has rows of other instants, first at {where}", channels, rows, 3)
 
 
-def _rows(motion: Motion, channels: Sequence[str], scale: Mapping[str, float]) -> NDArray[np.float64]:
+def _rows(evidence: Evidence, motion: Motion, channels: Sequence[str]) -> NDArray[np.float64]:
     """Return all channels row by row, over their scales; angles by their sines and cosines."""
-    angles = [c for c in channels if quantity(c) in ANGLES]
+    angles, scale = [c for c in channels if evidence.channels[c].is_angle], evidence.reference.scale
     columns = [motion[c] / scale[c] for c in channels if c not in angles]
     return np.array([*columns, *(wave(motion[c]) for c in angles for wave in (np.sin, np.cos))]).T
 
@@ -129,7 +129,7 @@ def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
     least = NEXT_TO_NOTHING * evidence.total
     of = [c for c, own in evidence.deviation.items() if np.sum(own[bad] ** 2) > least]
     predicted = {c: np.where(bad, evidence.given[c], evidence.true[c]) for c in of}
-    place = common(of)
+    place = common(evidence.channels, of)
     if place == "all" and len(of) < MOST * len(evidence.names):
         return  # a peak of some channels, as where a solver has trouble
     first = float(evidence.true[evidence.drive][bad.argmax()])
@@ -173,18 +173,19 @@ def _explained(evidence: Evidence, predicted: Channels) -> Channels:
 
 def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Rates that are differences of the motion's own poses or rates over its samples."""
-    source_of = {"vx": "x", "vy": "y", "omega": "angle", "ax": "vx", "ay": "vy", "alpha": "omega"}
-    sources = {c: f"{stem(c)}.{source_of.get(quantity(c))}" for c in part.channels}
-    if not all(source in evidence.motion for source in sources.values()):
+    known = {c: evidence.channels.below(c) for c in part.channels}
+    sources = {c: source for c, source in known.items() if source is not None and source in evidence.motion}
+    if len(sources) < len(known):
         return
     time, below = evidence.motion["time"], {c: evidence.motion[source] for c, source in sources.items()}
-    values = {c: np.unwrap(own) if sources[c].endswith("angle") else own for c, own in below.items()}
+    values = {c: np.unwrap(own) if evidence.channels[sources[c]].is_angle else own for c, own in below.items()}
     text, before = "{part} {is} {one} differences of samples", [0, *range(len(time) - 1)]
     central = {c: np.gradient(own, time) for c, own in values.items()}
     backward = {c: (np.diff(own) / np.diff(time))[before] for c, own in values.items()}
     for how, rates in (("central", central), ("backward", backward)):
         predicted = _explained(evidence, {c: own[evidence.rows] for c, own in rates.items()})
-        yield Hypothesis(Cause(Kind.differences, common(predicted), text, names=(how,), part=part), predicted)
+        place = common(evidence.channels, predicted)
+        yield Hypothesis(Cause(Kind.differences, place, text, names=(how,), part=part), predicted)
 
 
 def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -194,7 +195,8 @@ def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     typical = float(np.median([size for size in by if abs(size) > LEAST_BEND] or [0.0]))
     predicted = _explained(evidence, evidence.changed((typical,), [bends]))
     text = "{part} {is} smoothed over {its} samples"
-    yield Hypothesis(Cause(Kind.solver, common(predicted), text, (typical,), part=part), predicted, 1)
+    place = common(evidence.channels, predicted)
+    yield Hypothesis(Cause(Kind.solver, place, text, (typical,), part=part), predicted, 1)
 
 
 def _growing(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -218,7 +220,7 @@ def _interpolated(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     from scipy.interpolate import make_interp_spline
 
     time, true = evidence.true["time"], {c: evidence.true[c] for c in part.channels}
-    values = {c: np.unwrap(own) if quantity(c) in ANGLES else own for c, own in true.items()}
+    values = {c: np.unwrap(own) if evidence.channels[c].is_angle else own for c, own in true.items()}
     for every, (degree, how) in product(COARSE, ((1, "linear"), (3, "cubic"))):
         nodes = np.unique([*rows[::every], rows[-1]])
         if len(nodes) > 3 and off[nodes].sum() <= NEARLY_ALL**2 * off.sum():

@@ -17,7 +17,7 @@ from scenes.scene import DrawnBody
 from ...mechanics.bodies import first_point, weights
 from ...mechanics.contacts import CONTACTS
 from ...mechanics.reference import Reference
-from .cause import Cause, Kind, stem
+from .cause import Cause, Kind
 
 NONE = -1.005  # of a mass or a moment of inertia, by so much of itself too small: none at all, but for rounding
 STANDARD_GRAVITY = (0.0, -9.81)  # m/s^2
@@ -177,7 +177,7 @@ def _of_friction(scene: Scene) -> Iterator[Numbers]:
     """Yield friction of each joint and of all, what it has by the load and what by the rate, and the contacts."""
     every: dict[str, float] = {}
     for number, one in enumerate(scene.friction):
-        at, place = f"friction.{number}", stem(one.channel(scene))
+        at, place = f"friction.{number}", one.joint(scene)
         contact = CONTACTS[type(one)]
         coulomb = {f"{at}.{contact.linear}": getattr(one, contact.linear)}
         viscous = {f"{at}.viscous": one.viscous} if one.viscous else {}

@@ -11,8 +11,9 @@ from functools import partial
 import numpy as np
 
 from scenes import Scene
+from scenes.channels import Role
 from scenes.fields import Number, put, walk
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed, DriveLaw, HarmonicLaw
 
 from ...results.frame import KNOWN, LENGTHS, Frame, seen, unit_near, vectors
@@ -21,7 +22,6 @@ from .evidence import Channels, Evidence, Hypothesis
 
 KNOWN_FRAME = 1e-4  # relative: what is fitted and is this near to nothing at all, or to a known unit, is taken for it
 LEAST = 1e-9  # relative: less is rounding
-RATES = {"vx": 1, "vy": 1, "omega": 1, "ax": 2, "ay": 2, "alpha": 2}  # derivatives by the time
 CONSTANT, LATE = 1e-2, 1e-3  # of what the drive is off by: it is off by one amount, and at a constant speed late
 COURSE = 3  # numbers that where the drive really is counts for
 BY_ANGLE = "all rates are by the crank's angle, per {one}, in place of the time"
@@ -38,7 +38,7 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     scene, true = evidence.scene, evidence.true
     if not isinstance(scene.drive.law, ConstantSpeed) or scene.drive.slide is not None:
         return
-    orders = {c: RATES[quantity(c)] for c in evidence.names if quantity(c) in RATES}
+    orders = _orders(evidence)
     for unit, name, other in (("rad", "radian", "deg"), ("deg", "degree", "rad")):
         size = KNOWN["rad"][unit]
         rates = {c: (size / scene.drive.law.speed) ** order * true[c] for c, order in orders.items()}
@@ -48,12 +48,20 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         yield Hypothesis(Cause(Kind.unit, "drive", AXIS, names=(unit, other)), others)
 
 
+def _orders(evidence: Evidence) -> dict[str, int]:
+    """By channel of a rate the order of the derivative by the time."""
+    rows = (evidence.channels[c] for c in evidence.names)
+    return {row.name: row.order for row in rows if row.role is Role.kinematic and row.order}
+
+
 def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
     """Yield the frame and unit of length that are nearest, in as few numbers as explain them."""
-    pairs = (pair for pair in vectors(evidence.names) if quantity(pair[0]) in ("x", "vx"))
+    channels = evidence.channels
+    pairs = (pair for pair in vectors(channels, evidence.names) if channels[pair[0]].order in (0, 1))
     true = {c: evidence.true[c] for pair in pairs if {*pair} <= {*evidence.names} for c in pair}
-    ways = [seen(Frame(turn, mirrored=mirrored), true) for turn in (0.0, np.pi / 2)]  # by the parts of a, those of b
-    ways += [{c: np.full(own.shape, float(quantity(c) == axis)) for c, own in true.items()} for axis in "xy"]
+    ways = [seen(channels, Frame(turn, mirrored=mirrored), true) for turn in (0.0, np.pi / 2)]  # by the parts of a
+    shifted = {c: channels[c].axis if channels[c].order == 0 else "" for c in true}
+    ways += [{c: np.full(own.shape, float(shifted[c] == axis)) for c, own in true.items()} for axis in "xy"]  # of b
     re, im, x, y = evidence.added(ways, {c: 0 * own for c, own in true.items()})[0].tolist()
     a, b = complex(re, im), complex(x, y)
     if not abs(a) > LEAST:
@@ -75,7 +83,8 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
         causes.append(Cause(Kind.unit, "all", text, (factor,), (unit, "m"), all_lengths))
     if causes:
         relative = any(drive.on != GROUND for drive in evidence.scene.drives)
-        other = seen(Frame(angle, b, mirrored, factor, relative), {c: evidence.true[c] for c in evidence.names})
+        given = {c: evidence.true[c] for c in evidence.names}
+        other = seen(channels, Frame(angle, b, mirrored, factor, relative), given)
         predicted = {c: own for c, own in other.items() if c != evidence.drive or evidence.off[c] > LEAST}
         freedom = bool(angle) + 2 * bool(b) + (not unit)
         yield Hypothesis(replace(causes[0], besides=tuple(causes[1:])), predicted, freedom)
@@ -134,7 +143,7 @@ def _speeds(evidence: Evidence, scene: Scene, law: ConstantSpeed) -> Iterator[Hy
     time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
     there = evidence.given[scene.drive_channel] - law.start
     rates = {float(there @ time / (time @ time)), -law.speed}
-    if velocities := {c: evidence.true[c] for c in evidence.names if RATES.get(quantity(c)) == 1}:
+    if velocities := {c: evidence.true[c] for c, order in _orders(evidence).items() if order == 1}:
         rates.add(law.speed * (1 + float(evidence.added([velocities])[0][0])))
     others = [c for c in evidence.names if c != scene.drive_channel]
 

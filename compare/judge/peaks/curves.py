@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
+from scenes.channels import TO_LOCK, TRANSMISSION
 from scenes.model.inputs import inputs_of
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 Values: TypeAlias = NDArray[Any]  # shape (..., n) of a motion's channels, complex for a vector
-LEAST = ("transmission", "to_lock")  # the kinds of which the least value matters
+LEAST = (TRANSMISSION, TO_LOCK)  # the kinds of which the least value matters
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +25,7 @@ class CycleCurve:
 
     kind: str  # displacement, path, velocity, acceleration, reaction, guide_force, guide_moment, effort, one of `LEAST`
     of: str  # the point, joint or body
+    unit: str  # of its values
     parts: Mapping[str, Any]  # by channel, what one of its units adds; of many machines of shape (m, 1)
     scale: float  # of the errors of these channels
     origin: Any = 0.0  # what is taken off the sum
@@ -34,11 +36,6 @@ class CycleCurve:
     def channels(self) -> tuple[str, ...]:
         """The channels that it is taken from."""
         return (*self.parts, self.angle) if self.angle else (*self.parts,)
-
-    @property
-    def unit(self) -> str:
-        """The unit of its values."""
-        return UNITS[quantity(self.channels[0])]
 
     def values(self, motion: Motion) -> Values:
         """Its values in a motion."""
@@ -55,7 +52,7 @@ class CycleCurve:
 
 def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[CycleCurve]:
     """The quantities for which a motion has the channels; `scale` is by channel what errors are divided by."""
-    known = [*_output(scene, scale), *(_forces(scene, scale) if scene.has_masses else ()), *_singular(motion)]
+    known = [*_output(scene, scale), *(_forces(scene, scale) if scene.has_masses else ()), *_singular(scene, motion)]
     return [curve for curve in known if all(channel in motion for channel in curve.channels)]
 
 
@@ -69,36 +66,39 @@ def driving(scene: Scene, effort: Samples, motion: Motion) -> tuple[Samples, Sam
 def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[CycleCurve]:
     """Yield the output's motion: numbers along its guide, vectors where it has none."""
     point, guided = scene.output, scene.guided(scene.output)
-    for kind, q in (("displacement", ""), ("velocity", "v"), ("acceleration", "a")):
-        x, y = both = f"{point}.{q}x", f"{point}.{q}y"
+    kinds = ("displacement", "velocity", "acceleration")
+    for order, (kind, both) in enumerate(zip(kinds, scene.channels.points[point], strict=True)):
+        (x, y), unit = both, scene.channels[both[0]].unit
         if guided is None:
-            yield CycleCurve(kind if q else "path", point, {x: 1, y: 1j}, scales[x])
+            yield CycleCurve(kind if order else "path", point, unit, {x: 1, y: 1j}, scales[x])
             continue
         slide = guided[1]
         parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if np.any(part != 0)}
-        origin = 0.0 if q else sum(a * t for a, t in zip(slide.along, slide.through, strict=True))
+        origin = 0.0 if order else sum(a * t for a, t in zip(slide.along, slide.through, strict=True))
         along = slide.along[0] + 1j * slide.along[1]
-        yield CycleCurve(kind, point, parts, scales[x], origin, along if q else None)
+        yield CycleCurve(kind, point, unit, parts, scales[x], origin, along if order else None)
 
 
 def _forces(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
     """Yield the forces of pins, of the first body on the second, the force and moment of guides, and the drive's."""
-    for pin in scene.pins:
-        x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
-        yield CycleCurve("reaction", pin.channel, {x: 1, y: 1j}, scale[x])
-    for name, guide in scene.slides.items():
-        force, moment = f"{name}.guide_force", f"{name}.guide_moment"
-        across, angle = 1j * guide.along[0] - guide.along[1], f"{guide.on}.angle" if guide.on in scene.turning else ""
-        yield CycleCurve("guide_force", name, {force: across}, scale[force], angle=angle)
-        yield CycleCurve("guide_moment", name, {moment: 1}, scale[moment])
+    channels = scene.channels
+    for pin, (x, y) in channels.pins.items():
+        yield CycleCurve("reaction", pin, "N", {x: 1, y: 1j}, scale[x])
+    for name, (force, moment) in channels.guides.items():
+        guide = scene.slides[name]
+        across = 1j * guide.along[0] - guide.along[1]
+        angle = channels.bodies[guide.on].angle if guide.on in channels.bodies else ""
+        yield CycleCurve("guide_force", name, "N", {force: across}, scale[force], angle=angle)
+        yield CycleCurve("guide_moment", name, "N*m", {moment: 1}, scale[moment])
     for drive in scene.drives:
-        fixed, channel = drive.slide if drive.on == GROUND else None, drive.effort_channel
+        fixed, effort = drive.slide if drive.on == GROUND else None, drive.effort_channel
         along = complex(*fixed.along) if fixed else None  # along a guide that swings it has no one direction
-        yield CycleCurve("effort", drive.body, {channel: 1}, scale[channel], along=along)
+        yield CycleCurve("effort", drive.body, channels[effort].unit, {effort: 1}, scale[effort], along=along)
 
 
-def _singular(motion: Motion) -> Iterator[CycleCurve]:
+def _singular(scene: Scene, motion: Motion) -> Iterator[CycleCurve]:
     """Yield how far the groups of the analytic core are from a singular configuration."""
-    for channel in motion.samples:
-        if quantity(channel) in LEAST:
-            yield CycleCurve(quantity(channel), channel.rpartition(".")[0], {channel: 1}, 1.0)
+    for name in motion.samples:
+        channel = scene.channels[name]
+        if channel.quantity in LEAST:
+            yield CycleCurve(channel.quantity, channel.subject, channel.unit, {name: 1}, 1.0)

@@ -16,7 +16,7 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import Samples
 
 from ...mechanics.axis import cycle_name
 from ...mechanics.motion_vectors import quintic
@@ -85,7 +85,7 @@ def numbers(
 
 def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[CycleNumber]:
     """Yield the drive's largest torque or force with its motion and against it, their RMS value, power and work."""
-    effort = quantity(scene.effort_channel)
+    effort = scene.channels[scene.channels.drive.effort].quantity
     values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
     with_motion, power, rate = driving(scene, values, motion)
     size = np.maximum(np.abs(values).max(axis=-1), NOTHING * curve.scale)

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from scenes import Failure, InputError, Sampling, Scene, Status, hard
+from scenes.channels import TO_LOCK
 from scenes.hard import Ladder
-from scenes.model.motion import quantity
 
 from ...engines import registry
 from ...engines.kept import Kept
@@ -147,7 +147,8 @@ def _figures(measured: Measurement, reference: Reference, explained: Explained) 
     row: Row = {"condition": float(explained.condition.max())}
     if measured.run.motion is not None and measured.comparison is not None:
         motion = reference.at(measured.comparison.position, measured.run.motion["time"])
-        locks = [float(motion[channel].min()) for channel in motion.samples if quantity(channel) == "to_lock"]
+        channels = reference.scene.channels
+        locks = [float(values.min()) for name, values in motion.samples.items() if channels[name].quantity == TO_LOCK]
         row["to_lock_m"] = min(locks, default=None)
     worst = {figure: measured.worst(figure) for figure in ("max", "explained", "unexplained")}
     return row | {f"{group}_{figure}": of[group] for group in worst["max"] for figure, of in worst.items()}

@@ -23,8 +23,9 @@ from math import log10
 import numpy as np
 
 from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
+from scenes.channels import TO_LOCK
 from scenes.fields import put
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
@@ -52,10 +53,11 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
     if isinstance(scene.drive.law, ConstantSpeed):
         request = Positions(tuple(positions(scene, nearest_lock(reference)).tolist()))
     true = _certified(scene, request)
-    peak = {c: float(magnitude(true, c).max()) for c in mechanics.units}
+    peak = {c: float(magnitude(true, scene.channels[c]).max()) for c in mechanics.units}
     size = {c: value if value > ZERO * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
     decided = np.setdiff1d(np.arange(len(true["time"])), on_switch(reference.acts(true)))
-    errors = relative_errors(reference.at(true[scene.drive_channel], true["time"]), true, size)
+    there = reference.at(true[scene.drive_channel], true["time"])
+    errors = relative_errors(scene.channels, there, true, size)
     changes = _changes(scene, request, true, size)
     digits = {}
     for group in SHOWN_GROUPS:
@@ -69,8 +71,9 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
 
 def nearest_lock(reference: Reference) -> float:
     """The drive's position, rad or m, with a group nearest to a lock at a length; the first one without a lock."""
-    of_lock = (peak.position for peak in peaks(reference, Sampling(EQUALLY), []) if quantity(peak.channel) == "to_lock")
-    return next(of_lock, reference.scene.drive.law.extent[0])
+    scene, found = reference.scene, peaks(reference, Sampling(EQUALLY), [])
+    of_lock = (peak.position for peak in found if scene.channels[peak.channel].quantity == TO_LOCK)
+    return next(of_lock, scene.drive.law.extent[0])
 
 
 def positions(scene: Scene, about: float) -> Samples:
@@ -100,7 +103,7 @@ def _changes(scene: Scene, request: Request, true: Motion, size: Mapping[str, fl
         problems.append((scene, replace(request, positions=tuple(x + step for x in request.positions))))
     total = {channel: np.zeros(true["time"].shape) for channel in size if channel != "time"}
     for problem in problems:
-        for channel, change in relative_errors(_certified(*problem), true, size).items():
+        for channel, change in relative_errors(scene.channels, _certified(*problem), true, size).items():
             total[channel] += change / STEP
     return total
 

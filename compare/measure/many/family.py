@@ -10,7 +10,7 @@ import numpy as np
 
 from scenes import Failure, InputError, Motion, Sampling, Scene, Settings, Status, with_changes
 from scenes.file.changes import label
-from scenes.model.motion import Samples, quantity
+from scenes.model.motion import Samples
 
 from ...engines import registry
 from ...engines.processes.stopping import Progress
@@ -139,7 +139,7 @@ def _cycle(judged: Judgement) -> Cycle:
         if curve.kind == "path":
             drawn |= {"x": values.real, "y": values.imag}
         elif curve.kind in DRAWN:
-            name = quantity(curve.channels[0]) if curve.kind == "effort" else curve.kind
+            name = judged.scene.channels[curve.channels[0]].quantity if curve.kind == "effort" else curve.kind
             drawn[name] = np.abs(values) if np.iscomplexobj(values) else values
     return Cycle(motion[axis(judged.scene).channel], drawn)
 

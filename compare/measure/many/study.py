@@ -14,7 +14,7 @@ import numpy as np
 from scenes import Sampling, Scene, Status, numbers_in
 from scenes.file.changes import at_path
 from scenes.model.enclosures import Enclosure
-from scenes.model.motion import Samples, force_at
+from scenes.model.motion import Samples
 
 from ...engines import registry
 from ...engines.processes.inside import Ended, Limits
@@ -154,7 +154,7 @@ class MonteCarlo:
         scene = self.scene
         keys = {variation: at_path(scene, variation.path) for variation in scene.variations}
         off = {key: v.plus_minus * scene.size(scene.numbers[key]) for v, key in keys.items()}
-        pins = {force_at(scene, pin): pin.channel for pin in scene.pins if scene.has_masses}
+        pins = {force: pin for pin, force in scene.channels.forces_of_pins.items()}
         found = registry.enclosures(scene, frozenset(pins), off=off).rows if pins else ()
         return {pins[row.channel]: row for row in found if row.extreme == "most"}
 

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Settings, Status
-from scenes.model.motion import channels as known_channels
 
 from ...engines.processes.stopping import Progress, kept
 from ...engines.registry import REFERENCE, settings_of, tiers
@@ -71,7 +70,7 @@ def speed_table(
     would take more stays as a row, `LEFT_OUT`. A stop leaves what is done.
     """
     # by name: the core has others of its own, which no engine is held against
-    sampling = replace(SAMPLING, channels=channels or frozenset(known_channels(reference.scene)))
+    sampling = replace(SAMPLING, channels=channels or frozenset(reference.scene.channels.names()))
     names, watch, explained = list(engines), Watch(runs), explain(reference, sampling)
     allowed, known = watch.allowed(budget.share, budget.since), at_samples(main, sampling)
 

@@ -17,10 +17,10 @@ import numpy as np
 
 from scenes import Scene
 from scenes.bodies import LINE, Body
+from scenes.channels import TRANSMISSION
 from scenes.elements import LISTS
 from scenes.file.changes import at_path
 from scenes.limits import NAME
-from scenes.model.motion import TRANSMISSION, UNITS, force_at, magnitudes, quantity
 from scenes.scene import ConstantSpeed, TorsionSpring
 
 from ...engines import registry
@@ -66,6 +66,7 @@ class Bench:
             "numbers": numbers,
             "exact": {"rows": kept, "samples": samples},
             "peaks": [self._peak(channel) for channel in self.program["channels"]],
+            "turning": [name for name in self.program["channels"] if scene.channels[name].modulo_turn],
             "paths": scene.moving_points,
             "extent": scene.drive.law.extent,
             "points": {point: [*self._moves(point)] for point in scene.owners},
@@ -143,7 +144,11 @@ class Bench:
         """Yield the torsion springs whose angles the page follows over whole turns, with those of both bodies."""
         for place, spring in self.scene.of_type(TorsionSpring).items():
             if place in self.program["given"]:
-                yield place, [f"{spring.second}.angle", f"{spring.first}.angle"]
+                yield place, [self._angle(spring.second), self._angle(spring.first)]
+
+    def _angle(self, body: str) -> str:
+        turning = self.scene.channels.bodies
+        return turning[body].angle if body in turning else ""
 
     def _law(self) -> Mapping[str, Any] | None:
         """The pieces of a motion law, how long they take where they are repeated, s, and how far they lead."""
@@ -158,9 +163,9 @@ class Bench:
         for name, limit in self.scene.limits.items():
             channels = [*channels_of(self.scene, name, self.program["channels"])]
             if {*channels} <= {*self.program["channels"]}:
-                kind = "largest" if name in magnitudes(self.scene) else "least"
+                kind = "largest" if name in self.scene.channels.magnitudes else "least"
                 ends = {"least": limit.least, "most": limit.most}
-                yield {"channels": channels, "kind": kind, "turns": quantity(name) == "angle", **ends}
+                yield {"channels": channels, "kind": kind, "turns": self.scene.channels[name].modulo_turn, **ends}
 
     @cached_property
     def asked(self) -> Sequence[Mapping[str, Any]]:
@@ -170,13 +175,17 @@ class Bench:
         guide. What is no more than `zero`, SI, is round-off.
         """
         scene, named, known = self.scene, units(self.study.reference), self.program["channels"]
-        largest = {force_at(scene, pin): f"Pin {pin.channel}: {pin.first} on {pin.second}" for pin in scene.pins}
-        largest |= {f"{body}.guide_force": f"Guide on {body}: force" for body in scene.slides}
-        largest |= {scene.effort_channel: f"Drive: {quantity(scene.effort_channel)}"}
-        largest |= {f"{scene.output}.{rate}": f"{scene.output}: {rate}" for rate in ("speed", "acceleration")}
-        wanted = [(name, "largest", UNITS[quantity(c)], channels_of(scene, c, known)) for c, name in largest.items()]
+        rows = scene.channels
+        pins = {pin.channel: f"{pin.first} on {pin.second}" for pin in scene.pins}
+        largest = {force: f"Pin {pin}: {pins[pin]}" for pin, force in rows.forces_of_pins.items()}
+        largest |= {names.force: f"Guide on {body}: force" for body, names in rows.guides.items()}
+        if scene.has_masses:
+            largest |= {rows.drive.effort: f"Drive: {rows[rows.drive.effort].quantity}"}
+        rates = (row for row in map(rows.__getitem__, rows.magnitudes) if row.kind == "point")
+        largest |= {row.name: f"{row.subject}: {row.quantity}" for row in rates if row.subject == scene.output}
+        wanted = [(name, "largest", rows[c].unit, channels_of(scene, c, known)) for c, name in largest.items()]
         if scene.guided(scene.output) is not None:
-            wanted.append((f"{scene.output}: stroke", "range", "m", [f"{scene.output}.{q}" for q in "xy"]))
+            wanted.append((f"{scene.output}: stroke", "range", "m", rows.points[scene.output].place))
         wanted.append(("Least transmission angle", "least", "rad", channels_of(scene, TRANSMISSION, known)))
         asked = list[Mapping[str, Any]]()
         for name, kind, si, channels in wanted:

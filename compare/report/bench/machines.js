@@ -1,7 +1,7 @@
 // Machines within the scene's tolerances about the design as it is: a band in each plot, and how many meet the limits.
 const drawn = bench.machines, chosen = inTable("[name=machines]"), PART = 8, FEW = 0.01; // ms of a frame; left out at each end
 const limited = new Set(bench.limits.flatMap(({ channels }) => channels));
-const idle = bench.channels.flatMap((name, k) => (name.endsWith(".angle") && !limited.has(name) ? [`row[${k}]`] : []));
+const idle = bench.channels.flatMap((name, k) => (bench.turning.includes(name) && !limited.has(name) ? [`row[${k}]`] : []));
 let quick = null; // the program without angles that have no limit: their arcs take most of the time
 const withoutAngles = () => compiled(bench.line.split("\n").filter(text => !idle.includes(text.split("[i]")[0])).join("\n"));
 let isRunning = false, isStale = false; // whether the design has changed meanwhile

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scenes import Motion, Request
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.channels import TO_LOCK, TRANSMISSION
+from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
 from ...judge.errors import Comparison
 from ...mechanics.axis import axis
-from ...mechanics.mechanics import GROUPS
 from ...mechanics.reference import Reference
 from ...study import Study
 from ..numbers import units
@@ -67,7 +67,7 @@ def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
         worst[row.channel] = max(worst.get(row.channel, 0.0), np.inf if np.isnan(row.max) else row.max)
 
     def rank(panel: Panel) -> tuple[bool, float]:
-        of_a_joint = GROUPS[quantity(panel.judged[0])] == "reaction"
+        of_a_joint = study.scene.channels[panel.judged[0]].group == "reaction"
         return of_a_joint, -max(worst.get(channel, 0.0) for channel in panel.judged)
 
     first = sorted(every, key=rank)[:FIGURES]
@@ -78,12 +78,13 @@ def _all_panels(reference: Reference) -> Iterator[Panel]:
     scene, named = reference.scene, units(reference)
 
     def curve(name: str, *channels: str) -> PlottedCurve:
-        factor, unit = named[UNITS[quantity(channels[0])]]
+        factor, unit = named[scene.channels[channels[0]].unit]
         return PlottedCurve(name, unit, dict.fromkeys(channels, factor), len(channels) > 1)
 
     guided = scene.guided(scene.output)
-    for title, si, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s^2", "a")):
-        (factor, unit), channels = named[si], [f"{scene.output}.{q}{axis}" for axis in "xy"]
+    titles = ("displacement", "velocity", "acceleration")
+    for title, channels in zip(titles, scene.channels.points[scene.output], strict=True):
+        factor, unit = named[scene.channels[channels[0]].unit]
         curves = [*map(curve, "xy", channels)]
         if guided is not None:
             along = {c: factor * part for c, part in zip(channels, guided[1].along, strict=True) if part}
@@ -92,18 +93,19 @@ def _all_panels(reference: Reference) -> Iterator[Panel]:
     if not scene.has_masses:
         return
     for pin in scene.pins:
-        both = [f"{pin.channel}.f{axis}" for axis in "xy"]
+        both = scene.channels.pins[pin.channel]
         curves = [curve("magnitude", *both), *map(curve, "xy", both)]
         title = f"Pin {pin.channel}: force of {pin.first} on {pin.second}"
         yield Panel(title, f"force [{curves[0].unit}]", curves, both)
-    for body in scene.slides:
-        curves = [curve(name, f"{body}.guide_{name}") for name in ("force", "moment")]
+    for body, guide in scene.channels.guides.items():
+        curves = [curve("force", guide.force), curve("moment", guide.moment)]
         judged = [channel for own in curves for channel in own.factors]
         title = ", ".join(f"{own.name} [{own.unit}]" for own in curves)
         yield Panel(f"Guide: force and moment on {body}", title, curves, judged)
-    drive = curve(quantity(scene.effort_channel), scene.effort_channel)
+    effort = scene.channels.drive.effort
+    drive = curve(scene.channels[effort].quantity, effort)
     title = f"Drive: {drive.name} on {', '.join(scene.driven)}"
-    yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [scene.effort_channel])
+    yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [effort])
 
 
 def error(study: Study, panel: Panel, comparison: Comparison) -> Samples:
@@ -156,9 +158,10 @@ def assur_groups(study: Study) -> Figure | None:
         return None
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = units(study.reference)["m"]
-    factors = {"transmission": 180 / np.pi, "to_lock": per_metre}
+    known = study.scene.channels
+    factors = {TRANSMISSION: 180 / np.pi, TO_LOCK: per_metre}
     rows = {
-        measured: {c.rpartition(".")[0]: factor * motion[c] for c in motion.samples if quantity(c) == measured}
+        measured: {known[c].subject: factor * motion[c] for c in motion.samples if known[c].quantity == measured}
         for measured, factor in factors.items()
     }  # values by joint
     rows = {measured: curves for measured, curves in rows.items() if curves}
@@ -181,11 +184,12 @@ def over_distance(study: Study) -> Figure | None:
     """Draw every engine's errors over the distance to the nearest singular configuration; None if no other ran."""
     own = [(number, m) for number, m in enumerate(study.measurements) if m.run.engine != REFERENCE and not m.foreign]
     runs = [(number, m.run.engine, m.comparison.actual) for number, m in own if m.comparison is not None]
-    channels = {group: [c for c in study.explained.sensitivity if GROUPS[quantity(c)] == group] for group in PLOTTED}
+    rows = study.scene.channels
+    channels = {group: [c for c in study.explained.sensitivity if rows[c].group == group] for group in PLOTTED}
     groups = [group for group in PLOTTED if channels[group]]
     if not runs or study.sampling.channels is not None:
         return None
-    locks = [values for channel, values in study.motion.samples.items() if quantity(channel) == "to_lock"]
+    locks = [values for name, values in study.motion.samples.items() if rows[name].quantity == TO_LOCK]
     per_metre, metres = units(study.reference)["m"]
     distance = per_metre * np.min(locks, axis=0) if locks else 1 / study.explained.condition  # or the relative one
     order = np.argsort(distance)
@@ -212,7 +216,7 @@ def friction(study: Study) -> Figure:
         line = {"color": colour(number), "width": 0.5}
         draw(figure, joint, over, factor * power, 1, line=line, stackgroup="losses")
     effort = scene.effort_channel
-    factor, unit = named[UNITS[quantity(effort)]]
+    factor, unit = named[scene.channels[effort].unit]
     draw(figure, "with friction", over, factor * motion[effort], 2, line={"color": DARK_GREY})
     free = {"color": DARK_GREY, "dash": "dot"}
     draw(figure, "without friction", over, factor * frictionless(scene, motion), 2, line=free)

@@ -48,7 +48,7 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     state = MotionVectors(scene, pose)
     rubbing = {one.channel(scene) for one in scene.friction}
     for pin in scene.pins:
-        components, moment = (f"{pin.channel}.fx", f"{pin.channel}.fy"), f"{pin.channel}.friction_moment"
+        components, moment = scene.channels.pins.get(pin.channel, ("", "")), f"{pin.channel}.friction_moment"
         if all(component in motion for component in components):
             R = motion[components[0]] + 1j * motion[components[1]]
             line: tuple[str, Vectors | float] = ("", 0.0)

@@ -301,7 +301,7 @@ slider.onkeydown = event => { // the arrows, Home and End are its own
 document.addEventListener("click", event => {
   const goal = event.target.closest("[data-at]");
   if (!goal) return;
-  const channel = goal.dataset.channel ?? "", point = head.marks[channel] ?? channel.replace(/\.[^.]*$/, "").split("/")[0];
+  const point = goal.dataset.point ?? "";
   scrub(nearest(goal.dataset.at * axis.factor), `${point}.x` in place || point in head.ground ? point : "");
   root.scrollIntoView({ block: "nearest" });
 });

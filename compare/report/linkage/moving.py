@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.model.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
-from ...engines.runner import OF_GROUPS
 from ...judge.errors import Comparison
 from ...mechanics.axis import axis
 from ...study import Study
@@ -30,7 +29,6 @@ SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer
 NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples; in the page three bytes each
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
-OF_BODIES = ("angle", "omega", "alpha", "guide_force", "guide_moment", "friction_force")  # quantities
 ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
 
@@ -56,12 +54,12 @@ class MovingPicture:
             self.engines[BEFORE] = None, before.motion
         self.names = [REFERENCE, *self.engines]  # as they are numbered in the data
         self._effort = [c for c in (scene.effort_channel,) if c in study.motion]  # one, or none
-        self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]
+        self._places = [name for names in scene.channels.points.values() for name in names.place]
         plotted = [channel for panel in panels for curve in panel.curves for channel in curve.factors]
         forces = [component for arrow in self.drawing.arrows for component in arrow.components]
         forces += [arrow.moment for arrow in self.drawing.arrows if arrow.moment]
         self._compared = [*dict.fromkeys([*self._places, *plotted, *self._effort, *forces])]  # of every engine
-        alone = dict.fromkeys(("time", axis(scene).channel, *(f"{body}.angle" for body in scene.turning)))
+        alone = dict.fromkeys(("time", axis(scene).channel, *(rates.angle for rates in scene.channels.bodies.values())))
         self._channels = [*self._compared, *alone]
 
     @property
@@ -117,7 +115,7 @@ class MovingPicture:
         colours = {BEFORE: GREY} | {m.run.engine: colour(number) for number, m in enumerate(self.study.measurements)}
         kept = ("name", "point", "load", "components", "on", "way", "moment")
         zero = {channel: ROUNDING * size for channel, size in self.study.reference.scale.items()}  # what is round-off
-        efforts = ((channel, *named[UNITS[quantity(channel)]]) for channel in self._effort)
+        efforts = ((channel, *named[scene.channels[channel].unit]) for channel in self._effort)
         effort = ({"channel": c, "factor": k, "unit": unit, "zero": k * zero[c]} for c, k, unit in efforts)
         return {
             "title": scene.title,
@@ -139,29 +137,18 @@ class MovingPicture:
             "effort": next(effort, None),
             "outlines": outlines(drawing),
             "vectors": self.vectors,
-            "marks": dict(self._marks()),
         }
-
-    def _marks(self) -> Iterator[tuple[str, str]]:
-        """Yield the channels of bodies and of the drive, with the first point of each; points may have their names."""
-        scene = self.study.scene
-        first = {body.name: body.points[0] for body in scene.bodies.values()}
-        of_drives = {name: drive.body for drive in scene.drives for name in (drive.channel, drive.effort_channel)}
-        for channel in (*channels(scene), *self.study.motion.samples):
-            name, _, measured = channel.rpartition(".")
-            if channel in of_drives:
-                yield channel, first[of_drives[channel]]
-            elif measured in OF_BODIES or (measured in OF_GROUPS and name not in scene.owners):
-                yield channel, first[name.partition("/")[0]]
 
     @cached_property
     def vectors(self) -> list[dict[str, Any]]:
         """What a polar diagram can be drawn of: the forces of pins, and the output's velocity, its hodograph."""
         scene, named, vectors = self.study.scene, units(self.study.reference), list[dict[str, Any]]()
-        drawn = [(f"force at pin {p.channel}", f"{p.channel}.f", p.point, [p.first, p.second]) for p in scene.pins]
-        for name, stem, pin, bodies in (*drawn, (f"velocity of {scene.output}", f"{scene.output}.v", "", [])):
-            channels = [f"{stem}{q}" for q in "xy"]
-            factor, unit = named[UNITS[quantity(channels[0])]]
+        known = scene.channels
+        pins = [(pin, known.pins[pin.channel]) for pin in scene.pins if pin.channel in known.pins]
+        drawn = [(f"force at pin {p.channel}", both, p.point, [p.first, p.second]) for p, both in pins]
+        velocity = known.points[scene.output].velocity
+        for name, channels, pin, bodies in (*drawn, (f"velocity of {scene.output}", velocity, "", [])):
+            factor, unit = named[known[channels[0]].unit]
             if {*channels} <= {*self._channels}:
                 vector = {"name": name, "at": pin, "bodies": bodies, "components": channels}
                 vectors.append(vector | {"factor": factor, "unit": unit})

@@ -7,6 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from scenes import Motion, Scene
+from scenes.channels import Role
 from scenes.model.enclosures import MotionRange
 
 from .drawing import MARGIN, PX, SIZE, Drawing
@@ -14,13 +15,13 @@ from .svg import TO_NAME, empty, line, picture, stands_alone
 
 ROWS = 120  # of a motion, for the paths of a small picture
 SMALL = 1.7  # times as large signs are in a small picture
-SHOWN = ("x", "y", "angle")  # quantities that a pose has
 
 
 def small(scene: Scene, motion: Motion) -> str:
     """A motion's first pose and its paths, without names and forces, for a list of linkages: an SVG."""
     stride = ceil(len(motion["time"]) / ROWS)
-    some = {c: v[::stride] for c, v in motion.samples.items() if c.rpartition(".")[2] in SHOWN}
+    rows = (scene.channels[name] for name in motion.samples)
+    some = {row.name: motion[row.name][::stride] for row in rows if row.role is Role.kinematic and row.order == 0}
     pose = Motion(some | {c: motion[c][::stride] for c in ("time", scene.drive_channel)})
     drawing = Drawing(replace(scene, loads=(), friction=()), pose)
     root, _ = picture(drawing)

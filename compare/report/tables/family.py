@@ -5,7 +5,7 @@ from math import floor, isnan, log10, nan
 from operator import itemgetter
 
 from scenes import Status
-from scenes.model.motion import quantity
+from scenes.channels import named
 from scenes.scene import VariationTable
 
 from ...engines.registry import REFERENCE
@@ -98,7 +98,7 @@ def _header(peak: Peak, unit: str) -> str:
 
 
 def _at_a_joint(peak: Peak) -> bool:
-    return quantity(peak.channel) in AT_JOINTS
+    return named(peak.channel).name in AT_JOINTS
 
 
 def _error(m: Measurement) -> str:

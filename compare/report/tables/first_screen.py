@@ -6,7 +6,7 @@ from math import degrees, isnan
 from typing import NamedTuple, TypeVar
 
 from scenes import Scene, Status
-from scenes.model.motion import quantity
+from scenes.channels import Channel, named
 
 from ...engines.registry import REFERENCE
 from ...judge.agreement import worst_error
@@ -27,9 +27,10 @@ OF_A_PIN, OF_A_JOINT, OF_THE_DRIVE = ("fx",), ("fx", "guide_force", "guide_momen
 
 
 class PoseButton(NamedTuple):
-    """A button that shows a pose, with a channel marked."""
+    """A button that shows a pose, with the point of a channel marked."""
 
     channel: str
+    point: str
     at: float  # on the axis, SI
     text: str
 
@@ -64,7 +65,7 @@ def answers(
     """
     over, (whole, at_joints) = axis(scene), parted(peaks)
     was = {(peak.name, peak.of): peak.value for peak in before}
-    largest_was = next((old.value for old in parted(before)[0] if quantity(old.channel) in OF_A_PIN), None)
+    largest_was = next((old.value for old in parted(before)[0] if named(old.channel).name in OF_A_PIN), None)
 
     def answer(peak: Peak, *, largest: bool = False) -> Answer:
         sizes = [size for size in peak.differs.values() if not isnan(size)]
@@ -75,7 +76,7 @@ def answers(
             value=peak.value,
             unit=peak.unit,
             of=peak.of if largest else "",
-            place=pose_button(over, peak.channel, peak.position),
+            place=pose_button(over, scene.channels[peak.channel], peak.position),
             direction="" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
             differ=percent(max(sizes)) if sizes else "–",
             each=", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
@@ -103,19 +104,19 @@ def of_ok(study: Study) -> list[Peak]:
 
 def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
     """The numbers of the whole linkage, the largest pin force before the drive's; and those of every joint."""
-    at_joints = [peak for peak in peaks if quantity(peak.channel) in OF_A_JOINT]
-    pins = [peak for peak in at_joints if quantity(peak.channel) in OF_A_PIN]
+    at_joints = [peak for peak in peaks if named(peak.channel).name in OF_A_JOINT]
+    pins = [peak for peak in at_joints if named(peak.channel).name in OF_A_PIN]
     whole = [peak for peak in peaks if peak not in at_joints and peak.value != 0]  # a cycle without losses has no work
-    drives = (row for row, peak in enumerate(whole) if quantity(peak.channel) in OF_THE_DRIVE)
+    drives = (row for row, peak in enumerate(whole) if named(peak.channel).name in OF_THE_DRIVE)
     whole[(at := next(drives, len(whole))) : at] = sorted(pins, key=lambda peak: peak.value)[-1:]
     return whole, at_joints
 
 
-def pose_button(over: DriveAxis, channel: str, position: float) -> PoseButton | None:
+def pose_button(over: DriveAxis, channel: Channel, position: float) -> PoseButton | None:
     """A place on the axis, given in SI: `171°`, `3.2 mm`; none where it is NaN."""
     if isnan(position):
         return None
-    return PoseButton(channel, position, over.text(position))
+    return PoseButton(channel.name, channel.point, position, over.text(position))
 
 
 def engines(study: Study) -> Iterator[dict[str, object]]:
@@ -130,7 +131,9 @@ def engines(study: Study) -> Iterator[dict[str, object]]:
             "status": run.status.name,
             "worst": worst.size if worst else None,
             "time": "–" if time is None else written(time, "s", IN_MS, digits=3),
-            "place": pose_button(axis(study.scene), worst.channel, worst.position) if worst else None,
+            "place": pose_button(axis(study.scene), study.scene.channels[worst.channel], worst.position)
+            if worst
+            else None,
         }
 
 

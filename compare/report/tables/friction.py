@@ -9,7 +9,7 @@ import numpy as np
 
 from scenes import Failure, Motion, Sampling, Scene
 from scenes.channels import POWER
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
@@ -30,8 +30,8 @@ RANGES = 3  # of positions that are named, at most
 
 def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
     """The power, W, that each joint's friction takes, by joint, each of shape (n,)."""
-    state, channels = MotionVectors(scene, motion), {one.channel(scene): one for one in scene.friction}
-    return {channel.rpartition(".")[0]: -motion[channel] * rate(state, one) for channel, one in channels.items()}
+    state = MotionVectors(scene, motion)
+    return {one.joint(scene): -motion[one.channel(scene)] * rate(state, one) for one in scene.friction}
 
 
 def by_joint(study: Study) -> TableRows:
@@ -52,8 +52,8 @@ def sentences(study: Study) -> Iterator[str]:
     yield from _efficiency(study)
     channel = scene.effort_channel
     both = (float(np.abs(values).max()) for values in (cycle[channel], frictionless(scene, cycle)))
-    largest, free = (written(value, UNITS[quantity(channel)], named) for value in both)
-    what = f"the drive's largest {quantity(channel)} is {largest}, without friction {free}"
+    largest, free = (written(value, scene.channels[channel].unit, named) for value in both)
+    what = f"the drive's largest {scene.channels[channel].quantity} is {largest}, without friction {free}"
     yield f"At {grouped(len(cycle['time']))} positions {what}."
     yield _jam(scene)
     if scene.steady:

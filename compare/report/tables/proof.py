@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from math import ceil, floor, inf, isinf, log10
 
 from scenes import Scene
+from scenes.channels import TRANSMISSION
 from scenes.model.enclosures import Assemblies, Enclosure
-from scenes.model.motion import TRANSMISSION, UNITS, magnitudes, quantity
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
@@ -35,12 +35,12 @@ def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
     """Yield what each extreme is not beyond; of a bound that is farther off than the channel is ever large, nothing."""
     shown, sizes, largest = units(study.reference), dict(study.reference.scale), dict[str, float]()
     for row in study.proof.rows:
-        unit, size = UNITS[quantity(row.channel)], abs(_ends(row)[1])
+        unit, size = study.scene.channels[row.channel].unit, abs(_ends(row)[1])
         if not isinf(size):
             sizes[row.channel] = max(sizes.get(row.channel, 0.0), size)
             largest[unit] = max(largest.get(unit, 0.0), size)
     for row in rows:
-        unit, sign = UNITS[quantity(row.channel)], 1 if row.extreme == "most" else -1
+        unit, sign = study.scene.channels[row.channel].unit, 1 if row.extreme == "most" else -1
         value, attained = _ends(row)
         if abs(value) <= NOTHING * largest.get(unit, 0.0):
             yield "≈ 0" if value else "0"
@@ -78,11 +78,11 @@ def sentences(study: Judgement) -> Iterator[str]:
         yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}: {proof.why}."
     else:
         proofs = ["it assembles"]
-        forces = [row for row in proof.rows if row.extreme == "most" and row.channel.endswith(".force")]
-        forces = [row for row in forces if row.channel in magnitudes(scene)]
+        pins = {force: pin for pin, force in scene.channels.forces_of_pins.items()}
+        forces = [row for row in proof.rows if row.extreme == "most" and row.channel in pins]
         largest = max(forces, key=lambda row: row.high, default=None)
         if largest is not None and (most := next(_bounds(study, [largest]))) != UNKNOWN:
-            joint, where = largest.channel.removesuffix(".force"), place(scene, largest[4:])
+            joint, where = pins[largest.channel], place(scene, largest[4:])
             proofs.append(f"no pin carries more than {most} ({joint} {where})")
         if registry.in_closed_form(scene):
             angles = [row for row in proof.rows if row[:2] == (TRANSMISSION, "least") and row.low > 0]
@@ -106,11 +106,12 @@ def _advantage(study: Judgement) -> Iterator[str]:
     of a steady drive over the output's speed, whose largest value is proven. Where the output rests it has no bound.
     """
     scene, shown = study.scene, units(study.reference)
-    row = next((row for row in study.proof.rows if row[:2] == (f"{scene.output}.speed", "most")), None)
+    speed = scene.channels.find("point", scene.output, "speed")
+    row = next((row for row in study.proof.rows if row[:2] == (speed and speed.name, "most")), None)
     law = scene.drives[0].law  # whose position stands for the time
     if row is None or not scene.steady or not isinstance(law, ConstantSpeed) or not 0 < row.low <= row.high < inf:
         return
-    (newton, force), (per_effort, effort) = shown["N"], shown[UNITS[quantity(scene.effort_channel)]]
+    (newton, force), (per_effort, effort) = shown["N"], shown[scene.channels[scene.channels.drive.effort].unit]
     least, attained = (abs(law.speed) / speed * newton / per_effort for speed in (row.high, row.low))
     amount = _outwards(least, attained, -1)
     yield f"the output {scene.output} has at least {amount} {force} for each {effort} of the drive, without friction"

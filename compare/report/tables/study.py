@@ -9,8 +9,8 @@ from typing import get_type_hints
 import numpy as np
 
 from scenes import Scene, Status
+from scenes.channels import Role
 from scenes.drive import Drive
-from scenes.model.motion import UNITS, quantity
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry
@@ -82,7 +82,7 @@ def checks(study: Study) -> TableRows:
 
 def peaks(study: Study) -> TableRows:
     """Yield a row per number of the designer's, in SI, and by how much each engine differs on it."""
-    at = f"at [{UNITS[quantity(axis(study.scene).channel)]}]"
+    at = f"at [{study.scene.channels[axis(study.scene).channel].unit}]"
     engines = dict.fromkeys(engine for peak in study.peaks for engine in peak.differs)
     for peak in study.peaks:
         named = {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, at: peak.position}
@@ -170,7 +170,8 @@ def notes(study: Study) -> list[str]:
     """What a reader must know: how the floor was found, why runs failed, which channels are missing and why."""
     sentences = [*floors([study.reference.floor])]
     if study.sampling.channels is not None:
-        asked = ", ".join(study.sampling.wanted(study.scene)[2:])
+        given = study.scene.channels.names(Role.time, Role.input)
+        asked = ", ".join(name for name in study.sampling.wanted(study.scene) if name not in given)
         sentences.append(f"Asked for: {asked}; checks and tolerances of other channels are left out.")
     sentences += [f"{capital(reason)}." for reason in study.reasons]
     for run in (m.run for m in study.measurements):

@@ -13,8 +13,8 @@ import scenes
 from analytic.recorded.expressions import needed
 from analytic.recorded.program import recorded
 from scenes import Scene
+from scenes.channels import named
 from scenes.model.enclosures import Enclosure
-from scenes.model.motion import magnitudes, quantity
 from tests.comparisons import sampled
 
 from .exact_values import BITS
@@ -63,7 +63,9 @@ def in_balls(scene: Scene) -> Callable[[str, float, float], Any]:
         position = arb((low + high) / 2, (high - low) / 2 + 1e-17 * abs(high))
         given = inputs | {"position": position, "time": (position - inputs["drive.start"]) / inputs["drive.speed"]}
         given |= {one: arb(float(turn(np.array(low)))) for one, turn in reference.windings.items()}
-        parts = [program.channels[part] for part in magnitudes(scene).get(name, (name,)) if part in program.channels]
+        parts = [
+            program.channels[part] for part in scene.channels.magnitudes.get(name, (name,)) if part in program.channels
+        ]
         balls: dict[int, Any] = {}
         for made in needed(parts):
             of = [balls[one.order] for one in made.operands]
@@ -95,7 +97,7 @@ def test_what_is_in_the_box_can_be_the_extreme(name: str) -> None:
         low, high = row.position_low, row.position_high
         if high - low < WHOLE * np.ptp(scene.drive.law.extent):
             balls = (between(row.channel, *ends) for ends in ((low, high), 2 * [(low + high) / 2]))
-            ball, middle = (on(row, ball) if quantity(row.channel) == "angle" else ball for ball in balls)
+            ball, middle = (on(row, ball) if named(row.channel).name == "angle" else ball for ball in balls)
             judged += ball is not None
             assert ball is None or not (ball < row.low or ball > row.high), (row, ball)
             assert middle is None or not (middle < row.low if row.extreme == "least" else middle > row.high), row

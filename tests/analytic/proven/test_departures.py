@@ -6,7 +6,8 @@ import pytest
 import analytic
 import scenes
 from scenes import Scene
-from scenes.model.motion import UNITS, Samples, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 from tests import scene_files
 
 from .true_values import BY_DOUBLES, motion_at, peaks, turn, with_magnitudes
@@ -19,11 +20,11 @@ def departed(scene: Scene, edges: Samples) -> dict[str, float]:
     samples = with_magnitudes(scene, motion_at(scene, places.ravel()))
     peak, found = peaks(samples), dict[str, float]()
     for name, bound in analytic.departures(scene, edges).items():
-        if name in samples and quantity(name) != "angle":
+        if name in samples and named(name).name != "angle":
             values = samples[name].reshape(places.shape)
             chord = values[:, :1] + (values[:, -1:] - values[:, :1]) * share
             beyond = np.abs(values - chord).max(axis=1) - bound
-            found[name] = float(np.max(beyond)) / peak[UNITS[quantity(name)]]  # NaN where one is not known
+            found[name] = float(np.max(beyond)) / peak[named(name).unit]  # NaN where one is not known
     return found
 
 

@@ -14,9 +14,10 @@ import scenes
 from analytic.proven.boxes import Boxes
 from analytic.recorded.arithmetics.taylor_models import TaylorModel
 from scenes import Failure, InputError, Scene
+from scenes.channels import named
 from scenes.drive import ConstantSpeed
 from scenes.model.enclosures import Enclosure
-from scenes.model.motion import UNITS, Positions, Samples, quantity
+from scenes.model.motion import Positions, Samples
 from tests import scene_files
 from tests.agreement import exact
 from tests.clean_scenes import clean_scenes
@@ -46,7 +47,7 @@ def shipped(name: str) -> tuple[Bounds, Mapping[str, Samples]]:
     sense = (
         -1 if isinstance(scene.drive.law, ConstantSpeed) and scene.drive.law.speed < 0 else 1
     )  # from the drive's start on
-    angles = {of: np.unwrap(values[::sense])[::sense] for of, values in samples.items() if quantity(of) == "angle"}
+    angles = {of: np.unwrap(values[::sense])[::sense] for of, values in samples.items() if named(of).name == "angle"}
     samples = {**samples, **angles}
     return bounds, {of: values for of, values in samples.items() if (of, "least") in bounds}
 
@@ -57,7 +58,7 @@ def assert_holds(name: str) -> None:
     peak = peaks(samples)
     assert len(samples) > 5
     for channel, values in samples.items():
-        slack = BY_DOUBLES * max(peak[UNITS[quantity(channel)]], ALL_ZERO)
+        slack = BY_DOUBLES * max(peak[named(channel).unit], ALL_ZERO)
         least, most = bounds[channel, "least"], bounds[channel, "most"]
         assert values.min() >= least.low - slack, channel
         assert values.max() <= most.high + slack, channel
@@ -71,7 +72,7 @@ def assert_near(name: str, accuracy: float = 1e-6) -> None:
     bounds, samples = shipped(name)
     peak = peaks(samples)
     for channel, values in samples.items():
-        of_unit = max(peak[UNITS[quantity(channel)]], ALL_ZERO)
+        of_unit = max(peak[named(channel).unit], ALL_ZERO)
         least, most = bounds[channel, "least"], bounds[channel, "most"]
         if np.ptp(values) > max(STILL * of_unit, ALL_ZERO):
             span = most.high - least.low
@@ -118,10 +119,10 @@ def peaks_by_50_digits(scene: Scene) -> bool:
     for one in found.rows:
         if one.channel in samples:
             values = samples[one.channel]
-            if quantity(one.channel) == "angle":  # which counts modulo a turn here
+            if named(one.channel).name == "angle":  # which counts modulo a turn here
                 first, last = ends[one.channel, "least"].low, ends[one.channel, "most"].high
                 values = values + tau * np.round(((first + last) / 2 - values) / tau)
-            slack = BY_50_DIGITS * max(peak[UNITS[quantity(one.channel)]], ALL_ZERO) + 2.0**-52 * np.abs(values).max()
+            slack = BY_50_DIGITS * max(peak[named(one.channel).unit], ALL_ZERO) + 2.0**-52 * np.abs(values).max()
             inside = values.min() >= one.low - slack if one.extreme == "least" else values.max() <= one.high + slack
             assert inside, f"{scene.name}: {one}"
     return True
@@ -217,15 +218,15 @@ def test_limits_beside_a_jump_are_within() -> None:
     peak = peaks(samples)
     of_limits = 0
     for name, values in samples.items():
-        if quantity(name) not in ("fx", "fy", "force", "torque", "guide_force"):
+        if named(name).name not in ("fx", "fy", "force", "torque", "guide_force"):
             continue
-        slack = BY_DOUBLES * peak[UNITS[quantity(name)]]
+        slack = BY_DOUBLES * peak[named(name).unit]
         least, most = bounds[name, "least"], bounds[name, "most"]
         assert least.low - slack <= values.min()
         assert values.max() <= most.high + slack
         grid = 1e-6 * np.ptp(values) + slack  # an extreme between samples of 2e-5 of a turn: its square, and more
-        assert most.high - values.max() <= max(2 * grid, 1e-6 * peak[UNITS[quantity(name)]])
-        assert values.min() - least.low <= max(2 * grid, 1e-6 * peak[UNITS[quantity(name)]])
+        assert most.high - values.max() <= max(2 * grid, 1e-6 * peak[named(name).unit])
+        assert values.min() - least.low <= max(2 * grid, 1e-6 * peak[named(name).unit])
         of_limits += beside[values.argmax()] + beside[values.argmin()]
     assert of_limits  # some are attained only beside a switch
 

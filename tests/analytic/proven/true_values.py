@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 import analytic
 from analytic.proven.boxes import Boxes
 from scenes import Motion, Sampling, Scene
+from scenes.channels import named
 from scenes.drive import ConstantSpeed
-from scenes.model.motion import UNITS, Positions, Samples, magnitudes, quantity
+from scenes.model.motion import Positions, Samples
 from tests.agreement import exact
 
 WIDTHS = (-6.0, -1.0)  # powers of ten of the range, between which boxes are as wide
@@ -79,7 +80,7 @@ def _edges(scene: Scene) -> Samples:
 
 def with_magnitudes(scene: Scene, motion: Motion) -> Mapping[str, Samples]:
     """The samples of a motion, and of the magnitudes that are the lengths of two of them."""
-    pairs = {name: of for name, of in magnitudes(scene).items() if motion.samples.keys() >= {*of}}
+    pairs = {name: of for name, of in scene.channels.magnitudes.items() if motion.samples.keys() >= {*of}}
     return {**motion.samples, **{name: np.hypot(motion[x], motion[y]) for name, (x, y) in pairs.items()}}
 
 
@@ -99,7 +100,7 @@ def escapes(places: Places, motion: Motion, slack: float) -> Iterator[tuple[str,
     samples = with_magnitudes(places.scene, motion)
     peaks: dict[str, float] = {}
     for name, values in samples.items():
-        unit = UNITS[quantity(name)]
+        unit = named(name).unit
         peaks[unit] = max(peaks.get(unit, 0.0), float(np.abs(values[places.known]).max()))
     for row, name in enumerate(boxes.names):
         if name not in samples:
@@ -107,9 +108,9 @@ def escapes(places: Places, motion: Motion, slack: float) -> Iterator[tuple[str,
         c, rest = models.c[:, row], models.rest[row]
         values = samples[name][places.known][own]
         apart = values - (c[0] + s * (c[1] + s * c[2]))
-        if quantity(name) == "angle":  # it counts modulo one turn
+        if named(name).name == "angle":  # it counts modulo one turn
             apart = np.remainder(apart + np.pi, 2 * np.pi) - np.pi
-        peak = max(peaks[UNITS[quantity(name)]], ALL_ZERO)
+        peak = max(peaks[named(name).unit], ALL_ZERO)
         # That s is a double, and the parabola's sum: some roundings of its terms.
         off = 8 * HALF_A_PLACE * np.abs(c).sum(axis=0) + 2 * HALF_A_PLACE * np.abs(values) + slack * peak
         beyond = np.abs(apart) - rest - off
@@ -142,6 +143,6 @@ def peaks(samples: Mapping[str, Samples]) -> dict[str, float]:
     """The largest size of each unit."""
     found: dict[str, float] = {}
     for name, values in samples.items():
-        unit = UNITS[quantity(name)]
+        unit = named(name).unit
         found[unit] = max(found.get(unit, 0.0), float(np.abs(values).max()))
     return found

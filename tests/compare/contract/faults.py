@@ -9,8 +9,9 @@ from typing import Any, NoReturn
 
 import analytic.engine as core
 from scenes import Failure, Motion, Positions, Request, Scene, Settings, Status
+from scenes.channels import named
 from scenes.model.engine import completed
-from scenes.model.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import Samples
 
 DEFAULT = Settings("plain", promise=1e-6)
 FAST = Settings("fast", promise=1e-6)
@@ -59,7 +60,9 @@ class Fault:
 
 def changed(change: Callable[[Samples], Samples], *quantities: str) -> Callable[[dict[str, Samples], Asked], Motion]:
     def spoil(samples: dict[str, Samples], _: Asked) -> Motion:
-        return Motion({c: change(v) if quantity(c) in (quantities or UNITS) else v for c, v in samples.items()})
+        return Motion(
+            {c: change(v) if not quantities or named(c).name in quantities else v for c, v in samples.items()}
+        )
 
     return spoil
 
@@ -69,7 +72,7 @@ def raised(error: Exception) -> NoReturn:
 
 
 def without(samples: dict[str, Samples], reason: str | None) -> Motion:
-    channel = next(c for c in samples if quantity(c) == "omega")
+    channel = next(c for c in samples if named(c).name == "omega")
     kept = {c: v for c, v in samples.items() if c != channel}
     return Motion(kept, {} if reason is None else {channel: reason})
 
@@ -110,7 +113,7 @@ FAULTS = {
     ),
     "an angle modulo a turn": Fault("several_cycles", spoil=changed(lambda v: -(-v % (2 * pi)), "crank_angle")),
     "all channels": Fault(
-        "only_what_is_asked_for", spoil=lambda v, of: Motion(dict.fromkeys(channels(of.scene), v["time"]) | v)
+        "only_what_is_asked_for", spoil=lambda v, of: Motion(dict.fromkeys(of.scene.channels.names(), v["time"]) | v)
     ),
     "masses are needed": Fault(
         "a_scene_without_masses_has_no_forces", first=lambda of: sum(b.mass or 1 / 0 for b in of.scene.bodies.values())

@@ -17,7 +17,6 @@ from compare.engines import TRACEBACK, registry
 from compare.engines.kept import version
 from compare.engines.registry import settings_of, tiers
 from compare.run import main
-from scenes.model.motion import channels
 from tests.sites import GOOD, install, known
 
 OWN = f"{GOOD}from scenes import Failure, Settings, Status\nclass N:\n    def __init__(self, *_): pass\n"
@@ -142,7 +141,7 @@ def test_each_is_run_or_is_a_row(capfd: pytest.CaptureFixture[str]) -> None:
         assert status != "diverged" or engine in RETURNED
         assert given == reason if engine in RAISING | BREAKS else reason in given
     motions = checked.motions
-    assert {*motions["very_many"].samples} == {*motions["of_no_text"].samples} == {*channels(checked.scene)}
+    assert {*motions["very_many"].samples} == {*motions["of_no_text"].samples} == {*checked.scene.channels.names()}
     assert capfd.readouterr() == ("", "")
     assert "of_its_own" not in sys.modules, "imported"
     assert main(["--engines", "godo"]) == main(["four_bar", "--engines", "analytic,needy"]) == 2

@@ -12,7 +12,7 @@ from compare.measure.hard.digits import STEP, digits_lost, inputs_off, nearest_l
 from compare.mechanics.mechanics import EPS
 from compare.mechanics.reference import Reference, uncertified
 from scenes import Failure, Positions, Scene, Status, hard
-from scenes.model.motion import quantity
+from scenes.channels import named
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import SLOW, sampled
@@ -40,7 +40,7 @@ def conditions(digits: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
 def to_lock(reference: Reference, position: float) -> float:
     """How near the nearest group is to a lock at a position, m."""
     there = reference.at(np.array([position]), np.zeros(1))
-    return min(float(samples[0]) for channel, samples in there.samples.items() if quantity(channel) == "to_lock")
+    return min(float(samples[0]) for channel, samples in there.samples.items() if named(channel).name == "to_lock")
 
 
 @sampled(1)

@@ -17,7 +17,7 @@ from compare.mechanics.round_off import explain
 from compare.report.tables.first_screen import answers, of_ok
 from compare.study import Study
 from scenes import Failure, Motion, Status
-from scenes.model.motion import quantity
+from scenes.channels import named
 from tests.comparisons import SAMPLING, Outcome, Plug, changed, commanded, sampled
 
 Judge = Callable[..., Judgement]
@@ -202,7 +202,7 @@ def test_one_call_has_verdict_and_numbers() -> None:
 def test_what_no_other_engine_gives_is_not_confirmed(judge: Judge, reference: Reference) -> None:
     """By an engine that finds points alone."""
     motion = commanded(reference)
-    given = {channel: values for channel, values in motion.samples.items() if quantity(channel) not in ("fx", "fy")}
+    given = {channel: values for channel, values in motion.samples.items() if named(channel).name not in ("fx", "fy")}
     points = Motion(given, dict.fromkeys(motion.samples.keys() - given.keys(), "it finds no forces"))
     verdict = plain(judge(points, ("analytic", "stub")).agreement)
     assert verdict.word is Word.in_part

@@ -15,7 +15,8 @@ from compare.judge.measure import measure
 from compare.mechanics.motion_vectors import MotionVectors
 from compare.mechanics.reference import Floor, Reference, Remembering
 from scenes import Motion, Sampling, Status
-from scenes.model.motion import Samples, channels, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 from scenes.scene import Force, PressForce
 from tests.comparisons import (
     SAMPLING,
@@ -39,7 +40,7 @@ from tests.comparisons import (
 def test_an_error_in_any_channel_of_any_drive_is_found(references: References, name: str) -> None:
     reference = references(name)
     plain = commanded(reference)
-    for channel in {*channels(reference.scene)} - {"time", reference.scene.drive_channel}:
+    for channel in {*reference.scene.channels.names()} - {"time", reference.scene.drive_channel}:
         scale = reference.scale[channel]
         table = rows_of(reference, changed(plain, channel, -1e-3 * scale))
         row, error = row_of(table, channel), 1e-3 * scale / size_of(plain, channel, scale)
@@ -149,9 +150,9 @@ def test_a_rest_of_the_drive_is_no_toggle(references: References) -> None:
 def test_what_only_the_analytic_core_says_is_not_compared(references: References) -> None:
     reference = references("driven_toggle")
     motion = commanded(reference)
-    assert {quantity(channel) for channel in motion.samples} >= {"transmission", "to_lock"}
+    assert {named(channel).name for channel in motion.samples} >= {"transmission", "to_lock"}
     table = rows_of(reference, motion)
-    assert {row.channel for row in table} == set(channels(reference.scene)) - {"time"}
+    assert {row.channel for row in table} == set(reference.scene.channels.names()) - {"time"}
 
 
 def test_a_drive_that_strayed_is_inconsistent(references: References, plug: Plug) -> None:
@@ -194,7 +195,9 @@ def standing(reference: Reference, row: int, *, acting: bool) -> Motion:
     plain, load = commanded(reference), press_force(reference)
     loads = (Force(load.body, load.at, load.force),) if acting else ()
     there = commanded(of_scene(reference, replace(reference.scene, loads=loads)))
-    return Motion({c: np.where(np.arange(len(plain[c])) == row, there[c], plain[c]) for c in channels(reference.scene)})
+    return Motion(
+        {c: np.where(np.arange(len(plain[c])) == row, there[c], plain[c]) for c in reference.scene.channels.names()}
+    )
 
 
 def worst(reference: Reference, motion: Motion) -> tuple[float, float]:
@@ -228,7 +231,7 @@ def test_a_lagging_drive_does_not_decide_the_side(pressing: Reference) -> None:
     without = of_scene(pressing, replace(scene, loads=()))
     on, off = (r.at(lag, SAMPLING.times(scene)) for r in (pressing, without))
     there = np.arange(SAMPLING.count) == LOWER_DEAD_POINT
-    motion = Motion({c: np.where(there, off[c], on[c]) for c in channels(scene)})
+    motion = Motion({c: np.where(there, off[c], on[c]) for c in scene.channels.names()})
     assert max(compare(pressing, SAMPLING, motion).actual[c].max() for c in ("A.fy", "B.fy")) <= 1e-12
 
 

@@ -11,12 +11,12 @@ from compare.engines.runner import run
 from compare.judge.checks import checks, estimate
 from compare.judge.measure import checked_run, measure
 from compare.mechanics.constraints import Constraints
-from compare.mechanics.mechanics import EPS, GROUPS, SHOWN_GROUPS, Mechanics
+from compare.mechanics.mechanics import EPS, SHOWN_GROUPS, Mechanics
 from compare.mechanics.projection import projected
 from compare.mechanics.reference import Reference, uncertified
 from compare.mechanics.scales import scales
 from scenes import Motion, Sampling, Settings, Status, hard
-from scenes.model.motion import force_channels, quantity
+from scenes.channels import Role, named
 from tests import scene_files
 from tests.comparisons import SAMPLING, References, changed, commanded, estimated, sampled, size_of, vector_of
 
@@ -52,7 +52,7 @@ def test_a_moved_channel_is_off_by_as_much(references: References, name: str) ->
     motion = commanded(reference)
     own = scales(reference.mechanics, motion, reference.travel)
     for channel in own:
-        if GROUPS.get(quantity(channel), "drive") not in ("drive", "position"):
+        if (named(channel).group or "drive") not in ("drive", "position"):
             off = largest(reference, changed(motion, channel, -1e-3 * own[channel]))
             expected = 1e-3 * own[channel] / size_of(motion, channel, own[channel])
             assert [off.pop(part) for part in vector_of(channel)] == pytest.approx([expected] * len(vector_of(channel)))
@@ -66,10 +66,10 @@ def test_an_open_joint_is_closed_in_the_estimate(references: References, name: s
     reference = references(name)
     motion = commanded(reference)
     for channel in motion.samples:
-        if quantity(channel) in ("x", "y"):
+        if named(channel).name in ("x", "y"):
             off = largest(reference, changed(motion, channel, 1e-6 * reference.stroke))
             assert max(off.values()) >= 0.5e-6, channel
-            errors = {c: e for c, e in off.items() if GROUPS[quantity(c)] != "position"}
+            errors = {c: e for c, e in off.items() if named(c).group != "position"}
             assert max(errors.values()) <= 1e-8, channel
 
 
@@ -117,8 +117,8 @@ def test_it_explains_no_more_than_the_condition_allows(channel: str, power: int)
     J = constraints.jacobian(constraints.poses(motion))[-1]
     kappa = float(np.linalg.norm(J) * np.linalg.norm(np.linalg.inv(J)))
     own = scales(reference.mechanics, motion, reference.travel)
-    forces = force_channels(scene)
-    kind = forces if channel in forces else [c for c in own if GROUPS.get(quantity(c)) == GROUPS[quantity(channel)]]
+    forces = scene.channels.names(Role.force)
+    kind = forces if channel in forces else [c for c in own if named(c).group == named(channel).group]
     allowed = EPS * kappa**power * max(abs(motion[c][-1]) / own[c] for c in kind)
     for share, excused in ((0.3, True), (3.0, False)):
         off = largest(reference, changed(motion, channel, share * allowed * own[channel], row=-1))
@@ -148,7 +148,7 @@ def test_a_long_motion_is_taken_in_blocks(
 
 
 def test_forces_that_an_engine_cannot_give_are_left_out(reference: Reference, motion: Motion) -> None:
-    forces = force_channels(reference.scene)
+    forces = reference.scene.channels.names(Role.force)
     rest = Motion({channel: samples for channel, samples in motion.samples.items() if channel not in forces})
     assert set(largest(reference, rest)).isdisjoint(forces)
     assert {c.check for c in checks(reference.mechanics, rest, reference.travel)}.isdisjoint(("reaction", "torque"))

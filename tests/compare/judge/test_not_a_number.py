@@ -13,7 +13,6 @@ from compare.judge.measure import Measurement, gates
 from compare.judge.verdict import compared, judged
 from compare.mechanics.reference import Reference
 from scenes import Motion, Status
-from scenes.model.motion import channels
 from tests.comparisons import SAMPLING, References, changed, commanded, rows_of, sampled, violations
 
 OK = Run("stub", None, Status.ok)
@@ -26,7 +25,7 @@ def test_no_channel_passes_the_checks(references: References, name: str) -> None
     reference = references(name)
     motion = commanded(reference)
     assert judged(OK, checks(reference.mechanics, motion, reference.travel)) == OK
-    for channel in set(channels(reference.scene)) - {"time"}:
+    for channel in set(reference.scene.channels.names()) - {"time"}:
         found = checks(reference.mechanics, changed(motion, channel, np.nan), reference.travel)
         assert judged(OK, found).status is not Status.ok, channel
 

@@ -9,7 +9,7 @@ from compare.judge.measure import measure
 from compare.judge.peaks.peaks import peaks
 from compare.mechanics.reference import Reference, uncertified
 from scenes import Motion, Sampling
-from scenes.model.motion import force_channels
+from scenes.channels import Role
 from scenes.scene import Force
 from tests import scene_files
 from tests.comparisons import SAMPLING, Plug, commanded, of_scene
@@ -89,7 +89,7 @@ def test_the_worst_turn_counts(reference: Reference, plug: Plug, turn: int) -> N
 def test_on_a_switch_either_side_is_right(plug: Plug) -> None:
     """The one sample in the last 0.1 mm is on the dead point, where the press force ends: it may act there or not."""
     reference = uncertified(scene_files.load("crank_press", {"drive.start": 90, "loads.0.last": 0.1}))
-    scene, motion, forces = reference.scene, commanded(reference), force_channels(reference.scene)
+    scene, motion, forces = reference.scene, commanded(reference), reference.scene.channels.names(Role.force)
     there = np.abs(np.sin(motion["crank_angle"]) + 1) < 1e-9
     assert there.sum() == 1
     for loads in ((), (Force("slider", "B", (0.0, 1600e3)),)):  # it never acts, or always

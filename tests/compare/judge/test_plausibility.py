@@ -8,7 +8,6 @@ from compare.engines import registry
 from compare.judge.plausibility import implausible
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference
-from scenes.model.motion import channels
 from tests import scene_files
 from tests.comparisons import sampled
 
@@ -60,7 +59,7 @@ LIKELY: dict[str, scene_files.Changes] = {
 
 def sentences(name: str, changes: scene_files.Changes = scene_files.NONE) -> list[str]:
     scene = scene_files.load(name, changes)
-    solve = registry.reference(scene, frozenset(channels(scene)))
+    solve = registry.reference(scene, frozenset(scene.channels.names()))
     return [*implausible(Reference(Mechanics(scene), solve, 0.0, {}, {}, Floor({}, "")))]
 
 

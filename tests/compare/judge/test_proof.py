@@ -14,8 +14,8 @@ from compare.judge.proof import asked, held, met
 from compare.report.tables.proof import WIDE, bounds, sentences
 from compare.run import main
 from scenes import InputError, Motion, Sampling, Scene
+from scenes.channels import TRANSMISSION
 from scenes.model.enclosures import Enclosure, Enclosures
-from scenes.model.motion import TRANSMISSION
 from tests import scene_files
 from tests.comparisons import SLOW, sampled
 

@@ -16,7 +16,7 @@ from compare.mechanics.mechanics import EPS, Mechanics
 from compare.mechanics.reference import Floor, Reference, uncertified
 from compare.mechanics.round_off import Explained, explain
 from scenes import Sampling, Scene, hard
-from scenes.model.motion import channels, quantity
+from scenes.channels import named
 from tests import scene_files
 from tests.comparisons import SAMPLING, changed, commanded, row_of, sampled
 
@@ -28,7 +28,7 @@ def rung(name: str, label: str) -> Scene:
 
 
 def largest(explained: Explained, *quantities: str) -> float:
-    return max(float(s.max()) for channel, s in explained.sensitivity.items() if quantity(channel) in quantities)
+    return max(float(s.max()) for channel, s in explained.sensitivity.items() if named(channel).name in quantities)
 
 
 def test_far_from_a_lock_little_is_explained(reference: Reference) -> None:
@@ -61,7 +61,7 @@ def test_in_a_lock_doubles_can_tell_nothing() -> None:
     solve = registry.reference(scene)
     vars(solve)["meetings"] = Meetings(0.0, 0.0, ())  # which else keep it from being solved
     motion = solve(TURN.commanded(scene), TURN.times(scene))
-    scale = dict.fromkeys(channels(scene), 1.0)
+    scale = dict.fromkeys(scene.channels.names(), 1.0)
     assert not explain(Reference(Mechanics(scene), solve, 1.0, {}, scale, Floor({}, "")), TURN).decidable
     assert Constraints(scene).condition(motion).max() > 1e15
 

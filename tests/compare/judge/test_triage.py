@@ -17,7 +17,8 @@ from compare.judge.triage import cause, sentences
 from compare.mechanics.reference import Reference
 from compare.mechanics.round_off import explain
 from scenes import Instants, Motion, Settings, Status
-from scenes.model.motion import Samples, force_channels, quantity
+from scenes.channels import Role, named
+from scenes.model.motion import Samples
 from tests.comparisons import SAMPLING, References, changed, commanded, sampled
 
 Spoil = Callable[[Reference, Motion], dict[str, Samples]]
@@ -61,14 +62,14 @@ def breathing(reference: Reference) -> dict[str, Samples]:
 
 
 def of_rates(motion: Motion, change: Callable[[str, Samples], Samples], *quantities: str) -> dict[str, Samples]:
-    return {c: change(c, own) for c, own in motion.samples.items() if quantity(c) in quantities}
+    return {c: change(c, own) for c, own in motion.samples.items() if named(c).name in quantities}
 
 
 READ_OUT: dict[str, tuple[Spoil, Kind, str]] = {
     "sign": (lambda _, m: {c: -m[c] for c in ("P4.fx", "P4.fy")}, Kind.sign, "P4"),
     "sign of one": (lambda _, m: {"rod.omega": -m["rod.omega"]}, Kind.sign, "rod"),
     "degrees": (lambda _, m: {"rod.angle": np.degrees(m["rod.angle"])}, Kind.unit, "rod"),
-    "kN": (lambda r, m: {c: m[c] / 1e3 for c in force_channels(r.scene)}, Kind.unit, "all"),
+    "kN": (lambda r, m: {c: m[c] / 1e3 for c in r.scene.channels.names(Role.force)}, Kind.unit, "all"),
     "offset": (lambda _, m: {"P4.y": m["P4.y"] + 0.01}, Kind.offset, "P4"),
     "body frame": (lambda _, m: in_frame(m, "P4", "toggle"), Kind.frame, "P4"),
     "components": (lambda _, m: {"P3.fx": m["P3.fy"], "P3.fy": m["P3.fx"]}, Kind.swap, "P3"),

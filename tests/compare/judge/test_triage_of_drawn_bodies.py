@@ -8,7 +8,6 @@ from compare.engines import registry
 from compare.judge.causes.words import words
 from compare.judge.triage import cause
 from scenes import Motion
-from scenes.model.motion import channels
 from tests import scene_files
 from tests.comparisons import SAMPLING, References, sampled
 
@@ -32,5 +31,5 @@ def test_the_numbers_of_a_drawing(references: References, shares: Mapping[str, f
     reference = references("outlined")
     other = SCENE.with_numbers({path: share * SCENE.numbers[path].value for path, share in shares.items()})
     motion = registry.reference(other)(SAMPLING.commanded(SCENE), SAMPLING.times(SCENE))
-    named = cause(reference, SAMPLING, Motion({channel: motion[channel] for channel in channels(other)}))
+    named = cause(reference, SAMPLING, Motion({channel: motion[channel] for channel in other.channels.names()}))
     assert words(SCENE, named) == expected

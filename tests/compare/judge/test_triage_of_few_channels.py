@@ -19,8 +19,9 @@ from compare.judge.triage import cause, likeliest, sentences
 from compare.mechanics.reference import Reference
 from compare.mechanics.round_off import explain
 from scenes import Motion, Sampling, Scene, Settings, Status
+from scenes.channels import Role, named
 from scenes.fields import put
-from scenes.model.motion import Samples, force_channels, quantity
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 from tests.comparisons import References, sampled
 
@@ -68,7 +69,7 @@ def test_instants_that_drift(reference: Reference) -> None:
 def test_forces_at_rest(reference: Reference, only: str) -> None:
     """Those of a static solution, beside the right motion."""
     right, slow = commanded(reference.scene), commanded(reference.scene, slower=1e6, speed=1e-6)
-    found = right | {channel: slow[channel] for channel in force_channels(reference.scene)}
+    found = right | {channel: slow[channel] for channel in reference.scene.channels.names(Role.force)}
     known = seen(reference, found, [only] if only else found)
     assert words(reference.scene, likeliest(known)) == "inertia's share of all forces is missing"
 
@@ -76,13 +77,13 @@ def test_forces_at_rest(reference: Reference, only: str) -> None:
 def test_a_length_by_forces_alone(reference: Reference) -> None:
     path = ("bodies", "rocker", "lengths", frozenset(("C", "D")))
     longer = commanded(put(reference.scene, {path: 1.515}))
-    known = seen(reference, longer, force_channels(reference.scene))
+    known = seen(reference, longer, reference.scene.channels.names(Role.force))
     assert words(reference.scene, likeliest(known)) == "rocker's length C-D is 0.015 m too long"
 
 
 def test_no_body_has_less_than_no_mass_and_no_friction_pushes(reference: Reference) -> None:
     below = commanded(put(reference.scene, {("bodies", "rocker", "mass"): -2.0}))
-    known = seen(reference, below, force_channels(reference.scene))
+    known = seen(reference, below, reference.scene.channels.names(Role.force))
     causes = [each.cause for each in (*number_causes(known), *force_causes(known))]
     named = [one for cause in causes for one in (cause, *cause.besides)]
     assert all(one.amounts[0] > -1.01 for one in named if "mass is {percent}" in one.text)  # -1 but for rounding
@@ -115,7 +116,7 @@ def test_a_factor_is_never_shown_as_one(reference: Reference, by: float, wrong: 
     right = commanded(reference.scene)
     known = seen(reference, {"drive.torque": by * right["drive.torque"]}, ["drive.torque"])
     assert wrong in words(reference.scene, likeliest(known))
-    velocities = {c: by * v if quantity(c) in ("vx", "vy", "omega") else v for c, v in right.items()}
+    velocities = {c: by * v if named(c).name in ("vx", "vy", "omega") else v for c, v in right.items()}
     whole = likeliest(seen(reference, velocities, velocities))
     assert wrong.removesuffix(" it") in words(reference.scene, whole)
 
@@ -131,7 +132,7 @@ def test_causes_are_known_where_the_crank_turns_but_a_part(references: Reference
 
 def test_what_an_engine_does_not_give_is_not_what_is_wrong(reference: Reference) -> None:
     """One that has no forces, and other velocities of a point."""
-    forces = force_channels(reference.scene)
+    forces = reference.scene.channels.names(Role.force)
     wrong = {c: 1.05 * own if c in ("T.vx", "T.vy") else own for c, own in commanded(reference.scene).items()}
     kinematic = Motion({c: own for c, own in wrong.items() if c not in forces}, dict.fromkeys(forces, "it has none"))
     run = Run("stub", Settings("", promise=1e-6), Status.ok, motion=kinematic)

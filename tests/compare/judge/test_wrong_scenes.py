@@ -16,7 +16,8 @@ from compare.judge.causes.words import words
 from compare.judge.triage import cause, likeliest
 from compare.mechanics.reference import Reference, uncertified
 from scenes import Instants, Motion, Scene
-from scenes.model.motion import Samples, channels, force_channels
+from scenes.channels import Role
+from scenes.model.motion import Samples
 from scenes.scene import Force, PressForce
 from tests import scene_files
 from tests.compare.judge.test_triage import spoilt
@@ -28,7 +29,7 @@ WIDTH = "each uniform bar's moment of inertia is that of one {length} wide"
 
 def solved(scene: Scene, reference: Reference) -> Motion:
     motion = registry.reference(scene)(SAMPLING.commanded(reference.scene), SAMPLING.times(reference.scene))
-    return Motion({channel: motion[channel] for channel in channels(scene)})
+    return Motion({channel: motion[channel] for channel in scene.channels.names()})
 
 
 INPUTS = {  # what is wrong in a scene, and by which factor
@@ -134,7 +135,7 @@ def test_a_load_that_is_switched_late_is_named(references: References) -> None:
     always = solved(replace(scene, loads=(Force(load.body, load.at, load.force),)), reference)
     never = solved(replace(scene, loads=()), reference)
     acts = np.roll(reference.acts(motion)[0][0], 2)
-    wrong = {c: np.where(acts, always[c], never[c]) for c in force_channels(scene)}
+    wrong = {c: np.where(acts, always[c], never[c]) for c in scene.channels.names(Role.force)}
     named = cause(reference, SAMPLING, spoilt(motion, wrong))
     assert (named.kind, named.place) == (Kind.load, load.at)
     assert named.amounts == pytest.approx((2 * 1.5 / 72,))

@@ -12,7 +12,7 @@ from compare.measure.many.study import Spread, spread
 from compare.report.tables.monte_carlo import verdicts
 from scenes.model.motion import Samples
 
-CURVE = CycleCurve("velocity", "P", {"P.vx": 1}, 1.0)
+CURVE = CycleCurve("velocity", "P", "m/s", {"P.vx": 1}, 1.0)
 X, Y = np.meshgrid(np.linspace(-1, 1, 201), np.linspace(-1, 1, 201))  # uniform: of variance 1/3 each, but for the grid
 
 

@@ -21,7 +21,7 @@ from compare.report.pages.report import page
 from compare.report.tables import study as tables
 from compare.study import Study
 from scenes import Motion, load
-from scenes.model.motion import Samples, channels
+from scenes.model.motion import Samples
 from tests import scene_files
 from tests.comparisons import SLOW, Studies, sampled, studied
 from tests.pages import check_figures
@@ -168,7 +168,7 @@ def test_assur_groups(studies: Studies) -> None:
     axis = figure.layout["yaxis2"]
     assert (axis["title"], axis["type"]) == ({"text": "distance [mm]"}, "log")
     assert "from the reference, which alone knows such groups" in page(result)
-    without = Motion({channel: result.motion[channel] for channel in channels(result.scene)})
+    without = Motion({channel: result.motion[channel] for channel in result.scene.channels.names()})
     assert assur_groups(replace(result, motion=without)) is None
 
 

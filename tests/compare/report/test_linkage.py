@@ -13,7 +13,7 @@ from compare.mechanics.reference import uncertified
 from compare.report.linkage.drawing import PX, Drawing
 from compare.report.linkage.svg import FRAMES, by_itself, picture
 from scenes import Motion, Scene
-from scenes.model.motion import quantity
+from scenes.channels import named
 from tests import scene_files
 from tests.comparisons import References, commanded, sampled
 
@@ -173,7 +173,7 @@ def test_a_scene_without_masses_has_no_forces() -> None:
 def test_the_picture_is_the_same_at_any_size(references: References) -> None:
     """A millionth as large: as of micrometres."""
     scene, motion = references("shaper").scene, commanded(references("shaper"))
-    small = Motion({c: 1e-6 * v if quantity(c) in ("x", "y") else v for c, v in motion.samples.items()})
+    small = Motion({c: 1e-6 * v if named(c).name in ("x", "y") else v for c, v in motion.samples.items()})
     ground = {point: (1e-6 * x, 1e-6 * y) for point, (x, y) in scene.ground.items()}
     sketch = {point: (1e-6 * x, 1e-6 * y) for point, (x, y) in scene.sketch.points.items()}
     bodies = dict(scene.bodies)

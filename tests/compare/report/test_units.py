@@ -76,7 +76,8 @@ def test_a_power_of_ten_is_written_as_elsewhere() -> None:
 
 @pytest.mark.parametrize("name", ["four_bar", "double_toggle_clamp"])
 def test_a_place_that_is_zero_within_round_off_is_zero(name: str) -> None:
-    place = first_screen.pose_button(axis(scene_files.load(name)), "B.vx", -1.4e-14)
+    scene = scene_files.load(name)
+    place = first_screen.pose_button(axis(scene), scene.channels["B.vx"], -1.4e-14)
     assert place is not None
     assert place.text.split("°")[0].split(" ")[0] == "0"
 

@@ -12,7 +12,7 @@ from compare.judge.foreign import assess_result
 from compare.results.result import read_result
 from compare.run import main
 from scenes import InputError, Scene, Status
-from scenes.model.motion import Samples, magnitudes
+from scenes.model.motion import Samples
 from tests.comparisons import References, only_few_settings, sampled
 from tests.foreign import Writer, instants
 
@@ -23,7 +23,7 @@ def _columns(scene: Scene) -> dict[str, Samples]:
     """Return all magnitudes as lengths of their vectors, and the transmission angles; SI."""
     times = np.append(0.0, instants(scene, 60, 1.0))
     true = analytic.solve(scene, scene.drive.law.at(times).position, times)
-    lengths = {name: np.hypot(true[x], true[y]) for name, (x, y) in magnitudes(scene).items()}
+    lengths = {name: np.hypot(true[x], true[y]) for name, (x, y) in scene.channels.magnitudes.items()}
     angles = {name: true[name] for name in true.samples if name.endswith(".transmission")}
     assert angles
     return {"time": times} | lengths | angles

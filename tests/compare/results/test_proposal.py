@@ -14,7 +14,7 @@ from compare.results.proposal import proposed
 from compare.results.result import read_result
 from compare.run import main
 from scenes import Scene, Status
-from scenes.model.motion import quantity
+from scenes.channels import named
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import SLOW, References, sampled
@@ -114,7 +114,7 @@ def _proposal(scene: Scene, names: list[str], moved: Moved, folder: Path) -> tup
     assert read is not None
     true = analytic.solve(scene, scene.drive.law.at(times).position, times)
     off = {c: read[c] - true[c] for c in sure}
-    off |= {c: np.angle(np.exp(1j * off[c])) for c in sure if quantity(c) == "angle"}
+    off |= {c: np.angle(np.exp(1j * off[c])) for c in sure if named(c).name == "angle"}
     sizes = {c: max(np.abs(true[f"{c[:-1]}{q}"]).max() for q in ("xy" if c[-1] in "xy" else c[-1])) for c in sure}
     wrong = [c for c in sure if not np.abs(off[c]).max() <= CLOSE_TO_TRUE * sizes[c]]
     cycles = (read["time"] - times) / scene.cycle
@@ -133,7 +133,7 @@ def _proposal(scene: Scene, names: list[str], moved: Moved, folder: Path) -> tup
 def test_it_is_never_sure_and_wrong(name: str, every: int, tmp_path: Path) -> None:
     """Cranks that are moved, lags and turned frames, alone and together, of the output and of all places."""
     scene = scene_files.load(name)
-    places = [c for c in channels(scene) if quantity(c) in ("x", "y", "angle")]
+    places = [c for c in channels(scene) if named(c).name in ("x", "y", "angle")]
     output = [c for c in places if c.startswith(f"{scene.output}.")]
     for names in (output, places):
         for moved in MOVED[::every] if isinstance(scene.drive.law, ConstantSpeed) else MOVED[6::every]:

@@ -13,7 +13,8 @@ from compare.judge.foreign import assess_result
 from compare.judge.triage import cause
 from compare.results.result import read_result
 from scenes import Scene, Status
-from scenes.model.motion import Samples, quantity
+from scenes.channels import named
+from scenes.model.motion import Samples
 from tests import scene_files
 from tests.comparisons import SLOW, References, sampled
 from tests.foreign import Writer, channels, instants, write
@@ -53,7 +54,7 @@ def by_angle(size: float) -> Spoil:
 
     def spoil(scene: Scene, columns: Columns) -> Columns:
         rate = float(scene.drive.law.at(0.0).rate)
-        return {c: v * (size / rate) ** orders.get(quantity(c), 0) for c, v in columns.items()}
+        return {c: v * (size / rate) ** orders.get(named(c).name, 0) for c, v in columns.items()}
 
     return spoil
 
@@ -69,7 +70,7 @@ def late(by: float) -> Spoil:
 def backwards(scene: Scene, columns: Columns) -> Columns:
     """Return a crank that turns the other way from its start, at the same speed."""
     back = WRITER.columns(scene, -columns["time"], [c for c in columns if c != "time"])
-    odd = {c: -v if quantity(c) in ("vx", "vy", "omega") else v for c, v in back.items()}
+    odd = {c: -v if named(c).name in ("vx", "vy", "omega") else v for c, v in back.items()}
     return odd | {"time": columns["time"]}
 
 
@@ -78,7 +79,7 @@ def elsewhere(_: Scene, columns: Columns) -> Columns:
 
 
 def in_rpm(_: Scene, columns: Columns) -> Columns:
-    return columns | {c: v * 30 / np.pi for c, v in columns.items() if quantity(c) == "omega"}
+    return columns | {c: v * 30 / np.pi for c, v in columns.items() if named(c).name == "omega"}
 
 
 def over_degrees(scene: Scene, columns: Columns) -> Columns:

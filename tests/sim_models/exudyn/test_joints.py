@@ -8,7 +8,6 @@ from scipy.optimize import brentq
 
 import scenes
 from scenes import Sampling, Scene
-from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed, MotionLaw, PressForce
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
@@ -47,7 +46,7 @@ def test_mechanism(name: str, route: str) -> None:
     scene, reference = referred(name)
     settings, limits = ROUTES[route]
     motion = run(scene, settings, samples=60)
-    assert set(motion.samples) == set(channels(scene))
+    assert set(motion.samples) == set(scene.channels.names())
     check(by_level(motion, reference), limits)
 
 
@@ -66,7 +65,9 @@ def test_more_knots_than_samples() -> None:
     """Pieces without a sample are not integrated; those with one only up to it."""
     scene, _ = referred("swinging_law")
     exact = run(scene, EXACT, samples=3).samples
-    found = by_level(run(scene, DEFAULT, samples=3), {name: exact[name] for name in channels(scene) if name != "time"})
+    found = by_level(
+        run(scene, DEFAULT, samples=3), {name: exact[name] for name in scene.channels.names() if name != "time"}
+    )
     check(found, SMOOTH)
 
 
@@ -154,7 +155,7 @@ def test_start_near_a_lock_takes_smaller_steps(start: float) -> None:
     simulation.solve()
     assert simulation.counters["steps"] > 4000  # of 2232 where nothing is in the way
     exact = run(scene, EXACT, samples=60).samples
-    found = by_level(simulation.read(), {name: exact[name] for name in channels(scene) if name != "time"})
+    found = by_level(simulation.read(), {name: exact[name] for name in scene.channels.names() if name != "time"})
     check(found, SMOOTH | {"acceleration": 2e-5, "force": 2e-5, "moment": 2e-5})  # measured 5e-6 at 165.9 deg
 
 

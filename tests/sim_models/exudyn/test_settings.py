@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 import scenes
 from scenes import Failure, Motion, Sampling, Scene, Settings
-from scenes.model.motion import channels
 from sim_models.exudyn import channels as exudyn_channels
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
@@ -217,7 +216,7 @@ def test_the_solution_is_all_that_the_channels_need(settings: ExudynSettings, mo
     simulation.solve()
     for function in ("kinematics", "forces"):
         monkeypatch.setattr(exudyn_channels, function, None)
-    assert set(simulation.read().samples) == set(channels(press))
+    assert set(simulation.read().samples) == set(press.channels.names())
 
 
 @pytest.mark.parametrize("settings", [EXACT, DEFAULT], ids=lambda settings: settings.label)

@@ -5,7 +5,6 @@ import pytest
 
 import scenes
 from scenes import Sampling
-from scenes.model.motion import channels
 from tests import scene_files
 from tests.comparisons import SLOW, sampled
 
@@ -86,7 +85,7 @@ def test_a_unit_of_length_changes_nothing() -> None:
 def test_doubles_do_not_change_with_more_digits() -> None:
     scene = scenes.load("toggle_press")
     fifty, eighty = run(scene), run(scene, digits=80)
-    for channel in channels(scene):
+    for channel in scene.channels.names():
         # Rounded to nearest both times: equal, unless true value is zero (P5.x) and only the last digits of 50 remain.
         assert np.abs(fifty[channel] - eighty[channel]).max() <= 1e-40
 

@@ -7,7 +7,6 @@ import pytest
 
 from scenes import Failure, Scene, Status
 from scenes.elements.loads import PressForce
-from scenes.model.motion import channels
 from scenes.scene import MotionLaw
 
 from .runs import EPS, closed, continuing, run, slider_crank
@@ -21,7 +20,7 @@ from sim_models.multiprecision.start import closing_sign, end_of_stroke  # noqa:
 def test_scene_without_masses_moves_alike_and_has_no_forces() -> None:
     without = slider_crank({f"bodies.{body}.mass": None for body in ("crank", "rod", "slider")})
     motion = run(without)
-    assert set(motion.samples) == set(channels(without))
+    assert set(motion.samples) == set(without.channels.names())
     assert "drive.torque" not in motion
     assert np.array_equal(motion["B.ax"], run(slider_crank())["B.ax"])
 

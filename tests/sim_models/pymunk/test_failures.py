@@ -9,7 +9,6 @@ import pytest
 
 import scenes
 from scenes import Failure, ProcessorBudget, Sampling, Scene, Status, hard
-from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk.constraints import LinkageConstraints, solved
@@ -40,7 +39,7 @@ def test_flip_is_seen_where_it_happens(settings: AnySettings) -> None:
     assert failure.status is Status.wrong_branch
     assert "deg" in failure.reason
     assert failure.motion is not None
-    assert set(failure.motion.samples) == {*channels(PRESS)}
+    assert set(failure.motion.samples) == {*PRESS.channels.names()}
 
 
 class Spoilable:

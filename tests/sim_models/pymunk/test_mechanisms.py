@@ -5,7 +5,6 @@ import pytest
 from numpy.typing import NDArray
 
 from scenes import Sampling, Scene
-from scenes.model.motion import channels
 from scenes.scene import MotionLaw
 from sim_models.pymunk.channels import Motions, with_rates_of_law
 from sim_models.pymunk.constraints import LinkageConstraints
@@ -41,7 +40,7 @@ def beside_knots(scene: Scene, sampling: Sampling, step: float) -> NDArray[np.bo
 def test_mechanism_against_the_reference(name: str) -> None:
     scene, sampling = scene_files.load(name), Sampling(36)
     motion, expected = solve(scene, DEFAULT, sampling), reference(scene, sampling)
-    assert set(motion.samples) == {"time", *expected} == set(channels(scene))
+    assert set(motion.samples) == {"time", *expected} == set(scene.channels.names())
     found = errors(motion, expected)
     for channel, error in found.items():
         # Measured: 1e-6 of positions and 3e-6 of velocities, which the extrapolation leaves; 3e-5 of accelerations and
