@@ -71,7 +71,7 @@ P1.0"\nplus_minus => P1"\nplus_minus :: variations.0.path: ground.points.P1: exp
 path = "bodies.rocker.lengths.O-P3" => path = "bodies.rocker.lengths.O-P"
     :: variations.3.path: bodies.rocker.lengths.O-P: the file has no 'O-P' there | did you mean 'O-P3'?
 path = "ground.points.P1.0" => path = "sketch.P2.0"
-    :: variations.0.path: sketch.P2.0: expected a number of the linkage; one of bodies, drive.speed,
+    :: variations.0.path: sketch.P2.0: expected a number of the linkage; one of bodies, | drive.speed,
 path = "ground.points.P1.1" => path = "ground.points.P1.0"
     :: variations.1.path: ground.points.P1.0: expected each number once
 path = "bodies.toggle.lengths.P2-P3" => path = "bodies.rocker.lengths.P3-O"
