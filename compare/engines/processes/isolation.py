@@ -66,12 +66,14 @@ class Worker(Generic[Item, Result]):
         self._come = bytearray()  # of a message
         self._engine = 0  # the process that answers, once it has sent its number
         self.busy = False  # whether it was asked for something of which the outcome is not known
+        self.taken = 0.0  # s of processor time that it has taken for the last item; on the wall where no other is known
         self.outcome: Result | Ended
 
     def ask(self, item: Item, limits: Limits) -> None:
         """Have the function called, when the outcome of the last time is known."""
-        self.busy, self._limits, self._used = True, limits, self._processor_time()
-        self._due, self._look = monotonic() + WAIT * limits.seconds, monotonic() + LOOK
+        self.busy, self._limits, self._used, self.taken = True, limits, self._processor_time(), 0.0
+        self._asked = monotonic()
+        self._due, self._look = self._asked + WAIT * limits.seconds, self._asked + LOOK
         with suppress(OSError):  # its process has died, which is the outcome
             self.connection.send_bytes(packed((limits, item)))
 
@@ -100,6 +102,7 @@ class Worker(Generic[Item, Result]):
 
     def _ended(self) -> Ended | None:
         """Take what the process has sent, and return how it ended where no answer is to come."""
+        self.taken = max(self.taken, self._processor_time() - self._used) if LINUX else monotonic() - self._asked
         try:
             while self.busy and (message := self._message()) is not None:
                 if self._engine:

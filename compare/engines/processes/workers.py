@@ -8,7 +8,6 @@ from math import isnan
 from multiprocessing import current_process
 from operator import call
 from threading import Lock, Timer
-from time import perf_counter
 from typing import Any, TypeVar
 
 from scenes import Request, Scene
@@ -31,14 +30,15 @@ class Workers(Runs):
     def __init__(self, poll: Poll) -> None:
         self._poll = poll
         self._workers: dict[str, Worker[Callable[[], Any], Any]] = {}
+        self._taken = 0.0  # s, by what was asked for last, see `Worker.taken`
         self._scene: Scene | None = None  # that was asked for last
         self._deaths: dict[str, list[Ended]] = {}  # by engine, on that scene
 
     def _runs(self, name: str, scene: Scene, request: Request, settings: Several, *, reads: bool) -> list[Run]:
-        began = perf_counter()
+        self._taken = 0.0
         ended = super()._runs(name, scene, request, settings, reads=reads)
         seconds = sum(run.seconds for run in ended)
-        self.apart += perf_counter() - began if isnan(seconds) else seconds  # a run that failed has no times
+        self.apart += self._taken if isnan(seconds) else seconds  # a run that failed has no times
         return ended
 
     def begin(self, name: str) -> Worker[Callable[[], Any], Any]:
@@ -75,6 +75,7 @@ class Workers(Runs):
                 worker.ask(function, limits)
                 worker.wait(self._poll)
         finally:
+            self._taken = worker.taken
             if worker.busy or isinstance(worker.outcome, Ended):
                 self._workers.pop(name).end()
         return worker.outcome

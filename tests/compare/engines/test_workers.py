@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import chain, repeat
 from pathlib import Path
 from signal import SIGINT
+from time import process_time, sleep
 from unittest.mock import Mock, patch
 
 import pytest
@@ -14,7 +15,7 @@ import pytest
 import scenes
 from compare.contract.test_process import digest
 from compare.engines import registry, runner
-from compare.engines.processes.inside import Ended, Limits
+from compare.engines.processes.inside import LINUX, Ended, Limits
 from compare.engines.processes.stopping import Stopped
 from compare.engines.processes.workers import Workers, workers
 from compare.engines.registry import ORACLE
@@ -58,6 +59,24 @@ def test_a_death_is_a_row_and_the_other_engines_and_scenes_go_on(
         if status is not Status.timed_out:  # it takes a while
             assert "not run again" not in runs.run("analytic", scenes.load("crank_press"), SAMPLING).reason
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.skipif(not LINUX, reason="elsewhere no other process's clock is known")
+@pytest.mark.parametrize(("works", "sleeps"), [(0.0, 0.6), (0.2, 0.4)])
+def test_a_run_that_fails_has_taken_its_processor_time(works: float, sleeps: float, scene: Scene) -> None:
+    """Not the time on the wall, of which it sleeps a part, as it waits for a busy machine."""
+
+    def failed() -> None:
+        began = process_time()
+        while process_time() < began + works:
+            pass
+        sleep(sleeps)
+        raise ZeroDivisionError
+
+    dies = patch.dict(DEATHS, {"late": (failed, Status.crashed, "")})
+    with dies, doomed({"analytic": "late"}), workers(["analytic"], quiet) as runs:
+        assert runs.run("analytic", scene, SAMPLING).status is Status.crashed
+        assert works <= runs.apart < works + 0.2  # what else it does for a run takes a few hundredths
 
 
 @sampled(1)
