@@ -16,14 +16,14 @@ accelerations have no choice: with γ the second derivative of the constraints a
     J q' = e rate,   J q'' = e acceleration - γ(q, q').
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
-from scenes.model.constraints import blocks, groups
+from scenes.model.constraints import DiagonalBlock, blocks, groups
 from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Slide
@@ -73,7 +73,7 @@ class Constraints:
         self._turns = np.flatnonzero(self._along == 0)
         self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
         somewhere = np.random.default_rng(0).normal(size=(1, len(scene.bodies), 3))  # where no entry vanishes by chance
-        self._groups = groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]])
+        self._groups = _alike(groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]]))
 
     def _rows(self) -> Iterator[Constraint]:
         scene, arms = self.scene, self.arms
@@ -151,17 +151,17 @@ class Constraints:
 
     def _branch(self, J: Matrices) -> Samples:
         """The sign of det J, but for one that is the same everywhere, shape (n,); NaN where J is not finite."""
-        signs, sizes = zip(*(np.linalg.slogdet(_block(J, *group[:2])) for group in self._groups), strict=True)
-        return np.where(np.isnan(np.sum(sizes, axis=0)), np.nan, np.prod(signs, axis=0))
+        each = [np.linalg.slogdet(_blocks(J, rows, columns)) for rows, columns, _ in self._groups]
+        signs, sizes = (np.concatenate(of, axis=1) for of in zip(*each, strict=True))
+        return np.where(np.isnan(sizes.sum(axis=1)), np.nan, signs.prod(axis=1))
 
     def _solve(self, J: Matrices, right: Samples) -> Samples:
         """J^-1 times what is given by constraints, shape (n, m, k): infinite in singular poses."""
         x, singular = np.zeros(right.shape), np.zeros(len(J), dtype=bool)
         for rows, columns, left in self._groups:
-            inverse = _inverse(_block(J, rows, columns))
-            singular |= np.isinf(inverse).all(axis=(1, 2))
-            given = right[:, rows] - _block(J, rows, left) @ x[:, left] if left else right[:, rows]
-            x[:, columns] = inverse @ given
+            inverse = _inverse(_blocks(J, rows, columns))
+            singular |= np.any(np.isinf(inverse).all(axis=(2, 3)), axis=1)
+            x[:, columns] = inverse @ (right[:, rows] - _blocks(J, rows, left) @ x[:, left])
         x[singular] = np.inf
         return x
 
@@ -181,8 +181,26 @@ class Constraints:
         return self._along * turn[:, self._frame], z[:, self._first] + arm - z[:, self._second] - other, arm, other
 
 
-def _block(J: Matrices, rows: Sequence[int], columns: Sequence[int]) -> Matrices:
-    return J[:, np.array(rows)[:, np.newaxis], columns]
+class _Blocks(NamedTuple):
+    """Diagonal blocks of one size, none of which needs another; arrays of shape (blocks, size), see `DiagonalBlock`."""
+
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    left: NDArray[np.intp]
+
+
+def _alike(blocks: Iterable[DiagonalBlock]) -> list[_Blocks]:
+    """Diagonal blocks, those together that can be solved together, each after all that it needs."""
+    depth, alike = dict[int, int](), dict[tuple[int, int, int], list[DiagonalBlock]]()  # by column, by size
+    for block in blocks:
+        below = 1 + max((depth[column] for column in block.left), default=-1)
+        depth |= dict.fromkeys(block.columns, below)
+        alike.setdefault((below, len(block.columns), len(block.left)), []).append(block)
+    return [_Blocks(*(np.array(of, np.intp) for of in zip(*alike[size], strict=True))) for size in sorted(alike)]
+
+
+def _blocks(J: Matrices, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Samples:
+    return J[:, rows[..., np.newaxis], columns[:, np.newaxis]]
 
 
 def _inverse(J: Matrices) -> Matrices:
