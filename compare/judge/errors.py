@@ -112,17 +112,21 @@ def error_table(
     known = comparison.actual if explained is None else explained.left_over(comparison.actual)
     least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
     last_turn, toggle = comparison.last_turn, np.flatnonzero(comparison.toggle)
-    mechanics = reference.mechanics
+    mechanics, named = reference.mechanics, [*comparison.actual]
+    floors = np.array([reference.floor.by_channel.get(channel, np.nan) for channel in named])
+    worst = {channel: int(error.argmax()) for channel, error in comparison.actual.items()}
+    figures: list[tuple[float, ...]] = []
     for channel, error in comparison.actual.items():
-        commanded, worst = comparison.commanded[channel], int(error.argmax())
-        floor = reference.floor.by_channel.get(channel, np.nan)
-        figures = [error[worst], _largest(known[channel]), _rms(error), _largest(error[last_turn])]
-        figures += [_largest(error[toggle]) if toggle.size else np.nan, _largest(commanded), _rms(commanded)]
-        shown = np.maximum(figures, floor if floor >= 0 else least).tolist()
-        explains = np.nan if explained is None else float(explained.error(channel).max())
-        at = float(comparison.axis[worst]), mechanics.axis.unit
+        commanded = comparison.commanded[channel]
+        late, still = _largest(error[last_turn]), _largest(error[toggle]) if toggle.size else np.nan
+        of_all = error[worst[channel]], _largest(known[channel]), _rms(error)
+        figures.append((*of_all, late, still, _largest(commanded), _rms(commanded)))
+    shown = np.maximum(figures, np.where(floors >= 0, floors, least)[:, np.newaxis]).tolist()
+    for channel, floor, row in zip(named, floors.tolist(), shown, strict=True):
+        explains = np.nan if explained is None else explained.largest_errors[channel]
+        at = float(comparison.axis[worst[channel]]), mechanics.axis.unit
         scale = reference.scale[channel], mechanics.units[channel]
-        yield ChannelError._make((engine, channel, mechanics.groups[channel], *shown, explains, *at, floor, *scale))
+        yield ChannelError._make((engine, channel, mechanics.groups[channel], *row, explains, *at, floor, *scale))
 
 
 def worst_of(rows: Sequence[ChannelError], figure: str = "max") -> ChannelError:

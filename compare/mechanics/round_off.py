@@ -10,7 +10,7 @@ a spring that is moved as it would move by itself.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -52,6 +52,16 @@ class Explained:
         """The largest error of a channel that needs no explanation, shape (n,)."""
         return np.maximum(self.left(channel), self.sensitivity[channel]) + self.written.get(channel, 0.0)
 
+    @cached_property
+    def errors(self) -> Mapping[str, Samples]:
+        """These by channel, worked out once for all runs at the same samples."""
+        return {channel: self.error(channel) for channel in self.sensitivity}
+
+    @cached_property
+    def largest_errors(self) -> Mapping[str, float]:
+        """By channel the largest of them, of all samples."""
+        return {channel: float(error.max()) for channel, error in self.errors.items()}
+
     def why(self, channel: str) -> str:
         """In words what leaves the largest error of a channel that needs no explanation."""
         if np.max(self.terms.get(channel, 0.0)) > 1 and np.max(self.left(channel)) > np.max(self.sensitivity[channel]):
@@ -61,7 +71,7 @@ class Explained:
     def left_over(self, errors: Mapping[str, Samples]) -> dict[str, Samples]:
         """Errors by channel, zero where they need no explanation; NaN is not explained."""
         return {
-            channel: np.where(error <= self.error(channel), 0.0, error - self.written.get(channel, 0.0))
+            channel: np.where(error <= self.errors[channel], 0.0, error - self.written.get(channel, 0.0))
             for channel, error in errors.items()
         }
 

@@ -16,11 +16,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Settings, Status
+from scenes import Motion, Settings, Status
 
 from ...engines.processes.stopping import Progress, kept
 from ...engines.registry import REFERENCE, settings_of, tiers
 from ...engines.runner import HERE, Run, Runs
+from ...judge.checks import Check
 from ...judge.measure import Measurement, assess
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain
@@ -77,7 +78,8 @@ def speed_table(
     def at(engine: str, settings: Settings) -> Measurement:
         main_run = known.get((engine, settings))
         run = main_run.run if main_run else runs.run(engine, reference.scene, sampling, settings)
-        return assess(reference, sampling, replace(run, settings=settings), explained)
+        checked = main_run and run.settings and run.settings.promise <= settings.promise  # at its samples and more
+        return assess(reference, sampling, replace(run, settings=settings), explained, _none if checked else None)
 
     def error_runs() -> Iterator[tuple[Run, SpeedRow]]:
         for number, engine in enumerate(names):
@@ -110,6 +112,11 @@ def speed_table(
                 table[able[number]], **_seconds(times), timed_runs=len(times), samples_a_turn=SAMPLING.samples
             )
     return table
+
+
+def _none(_: Motion) -> list[Check]:
+    """What the checks find in a main run, which was judged by them."""
+    return []
 
 
 def _error_runs(
