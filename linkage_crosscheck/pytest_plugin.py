@@ -155,7 +155,8 @@ class ChannelGroup(pytest.Item):
         lines = [miss.text for miss in judgement.misses if miss.engine == engine and miss.group in ("", group)]
         if lines or status != "ok":
             yield from lines or [f"{engine}: {status}: {reason}"]
-            yield from (f"likely cause: {judgement.causes[engine]}" for _ in {engine} & judgement.causes.keys())
+            if engine in judgement.causes:
+                yield f"likely cause: {judgement.causes[engine]}"
 
 
 def _check_names() -> None:

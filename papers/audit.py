@@ -77,8 +77,8 @@ def write(claims: Mapping[str, Sequence[Claim]], notes: Sequence[str], folder: P
     )
     rows = [
         {"source": source} | asdict(claim) | {"verdict": str(claim.verdict)}
-        for source, of in claims.items()
-        for claim in of
+        for source, of_source in claims.items()
+        for claim in of_source
     ]  # printed numbers keep their digits as text
     with placed(folder, "audit", FILES) as aside:
         (aside / "audit.json").write_text(json_text(rows), encoding="utf-8")

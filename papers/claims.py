@@ -20,7 +20,7 @@ import numpy as np
 
 from .written import Difference, Equation, Symbols
 
-EXACT = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
+EQUATION_TOL = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
 OPEN = (True, False)  # a claim in words that gives nothing to check
 
 Range: TypeAlias = tuple[float, float]
@@ -52,7 +52,7 @@ class Claim:
     note: str = ""
 
 
-def judge(equation: Equation, variables: Symbols, scale: Scale, tolerance: float = EXACT) -> Claim:
+def judge(equation: Equation, variables: Symbols, scale: Scale, tolerance: float = EQUATION_TOL) -> Claim:
     """The row of an equation over a motion; a form holds to the tolerance."""
     size, unit = scale[equation.kind]
     with np.errstate(invalid="ignore", divide="ignore"):  # a misprint may leave a root's domain, which is then its row
@@ -142,8 +142,8 @@ def limit(
 def comparison(claim: str, printed: str, true: Iterable[bool], computed: str, note: str = "") -> Claim:
     """The row of a claim in words, true or not for each reading that the source leaves open."""
     answers = set(true)
-    one = Verdict.HOLDS if True in answers else Verdict.NOT_REPRODUCIBLE
-    verdict = one if len(answers) == 1 else Verdict.UNDERDETERMINED
+    answer = Verdict.HOLDS if True in answers else Verdict.NOT_REPRODUCIBLE
+    verdict = answer if len(answers) == 1 else Verdict.UNDERDETERMINED
     return Claim(claim, printed, computed, None, verdict, note=note)
 
 

@@ -49,7 +49,7 @@ def chosen_from(points: Sequence[Point]) -> Mapping[str, Design]:
         "ahead_in_six": f"{SIX}; {MET}; sizes for scheme 4",
     }
     designs = {point.at: point.optimum.design for point in tables.of(points, AHEAD)}
-    return {name: designs[at] for name, at in wanted.items() if at in designs}
+    return {name: designs[place] for name, place in wanted.items() if place in designs}
 
 
 if __name__ == "__main__":

@@ -39,28 +39,28 @@ class Equation:
     given: str = ""  # abbreviations of other equations
     branch: tuple[str, str, str] = ("", "", "")  # its name, and what it exchanges for what in the text that is read
 
-    def printed(self, of: Symbols) -> Difference:
+    def printed(self, symbols: Symbols) -> Difference:
         """The left side less the right one, as printed; but for whole turns of an angle."""
-        return self._difference(self.read or self.text, of)
+        return self._difference(self.read or self.text, symbols)
 
-    def corrected(self, of: Symbols) -> Difference:
+    def corrected(self, symbols: Symbols) -> Difference:
         """The same as it should be, where there is a correction."""
-        return self._difference(self.meant or self.correction, of)
+        return self._difference(self.meant or self.correction, symbols)
 
-    def branched(self, of: Symbols) -> Difference:
+    def branched(self, symbols: Symbols) -> Difference:
         """The same with another sign of a root or an inverse function, where there is such a branch."""
-        _, one, other = self.branch
-        return self._difference((self.read or self.text).replace(one, other), of)
+        _, part, other = self.branch
+        return self._difference((self.read or self.text).replace(part, other), symbols)
 
-    def _difference(self, text: str, of: Symbols) -> Difference:
+    def _difference(self, text: str, symbols: Symbols) -> Difference:
         text = f"{text}, {self.given}".translate(str.maketrans("[]", "()")).rpartition(": ")[2]
         parts = [part.split("=") for part in text.split(", ") if "=" in part]
         (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
-        values = of.copy()
+        values = symbols.copy()
         for (name,), meaning in abbreviations:
             values[name] = _sum(deque(meaning), values)
-        off = _sum(deque(left), values) - _sum(deque(right), values)
-        return np.asarray(np.remainder(off + tau / 2, tau) - tau / 2 if self.kind == "angle" else off)
+        difference = _sum(deque(left), values) - _sum(deque(right), values)
+        return np.asarray(np.remainder(difference + tau / 2, tau) - tau / 2 if self.kind == "angle" else difference)
 
 
 def _sum(tokens: deque[str], values: Symbols) -> Any:

@@ -56,7 +56,7 @@ def only_few_settings() -> Iterator[None]:
         for module in ("measure.speed.speed_table", "study"):
             patch.setattr(f"compare.{module}.settings_of", first)
         patch.setattr("compare.judge.floor.FLOOR_SAMPLES", 12)
-        patch.setattr("compare.measure.speed.speed_table.LEAST_ROUNDS", 1)
+        patch.setattr("compare.measure.speed.speed_table.MIN_ROUNDS", 1)
         patch.setattr("compare.measure.speed.speed_table.take_turns", once)
         yield
 

@@ -40,13 +40,13 @@ from ..solve import prepared
 from ..way.motion_range import End, motion_at, motion_range
 from ..way.singular import change_points
 
-SAME = 1e-6  # of the longest arm, or of a range: two poses, ends of intervals, or boxes with one zero
-MOST = 64  # branches of dyads of which circuits are looked for, each by its whole range
+SAME_TOL = 1e-6  # of the longest arm, or of a range: two poses, ends of intervals, or boxes with one zero
+MAX_BRANCHES = 64  # of dyads of which circuits are looked for, each by its whole range
 PARTS = 4  # of the range of each unknown of a larger group, to begin with
-LEAST = 2.0**-24  # of that range: where two poses meet no box decides
-TOO_MANY = 50_000  # boxes of a level: groups of four angles take up to a thousand
-SLACK = 1e-11  # of the loops' terms: roundings
-NEWTON = 5  # steps of Newton's method from the middle of a box
+MIN_BOX = 2.0**-24  # of that range: where two poses meet no box decides
+MAX_BOXES = 50_000  # of a level: groups of four angles take up to a thousand
+ROUND_OFF_TOL = 1e-11  # of the loops' terms: roundings
+NEWTON_STEPS = 5  # from the middle of a box
 
 
 def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = True) -> Assemblies:
@@ -60,35 +60,38 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
     Raises:
         Failure: the linkage does not decompose, or a larger group does not close near the sketch.
     """
-    at = finite_numbers("position", scene_of(scene).sketch.drive if position is None else position)
-    if at.size != 1:
+    place = finite_numbers("position", scene_of(scene).sketch.drive if position is None else position)
+    if place.size != 1:
         refuse("position", "a number", position)
-    at = at.reshape(1)
+    place = place.reshape(1)
     whole, complete = decompose(scene), True
     drawn, ways = followed(scene, whole), [replace(whole, groups=())]
     for group in whole.groups:
-        found = [_assembled(scene, way, group, at) for way in ways]
+        found = [_assembled(scene, way, group, place) for way in ways]
         ways, complete = [way for some, _ in found for way in some], complete and all(known for _, known in found)
     if not ways and not complete:  # of a group that is too large for it
         ways = [drawn]
-    several = len(_branches(whole)) == len(whole.groups) and 2 ** len(whole.groups) <= MOST
-    known = _circuits(scene, whole, float(at[0])) if circuits and several else {}
-    own, channels = motion_at(scene, drawn, at).z, frozenset(scene.channels.names(Role.kinematic))
+    several = len(_branches(whole)) == len(whole.groups) and 2 ** len(whole.groups) <= MAX_BRANCHES
+    known = _circuits(scene, whole, float(place[0])) if circuits and several else {}
+    as_drawn, channels = motion_at(scene, drawn, place).z, frozenset(scene.channels.names(Role.kinematic))
     made = list[Assembly]()
     for way in ways:
-        z = motion_at(scene, way, at).z
+        z = motion_at(scene, way, place).z
         if not all(np.isfinite(z[point]).all() for point in scene.moving_points):
             complete = False  # a group that can turn by itself there: two of its points are in one place
             continue
-        off = [np.ravel(z[point])[0] - complex(*xy) for point, xy in scene.sketch.points.items()]
-        meant = all(np.all(np.abs(z[point] - own[point]) <= SAME * way.arm) for point in scene.moving_points)
-        motion = replace(prepared(scene, way, channels), as_sketched=False)(at, np.zeros(1))
-        away = float(np.linalg.norm(off)) / sqrt(len(off) or 1)
+        distances = [np.ravel(z[point])[0] - complex(*xy) for point, xy in scene.sketch.points.items()]
+        meant = all(np.all(np.abs(z[point] - as_drawn[point]) <= SAME_TOL * way.arm) for point in scene.moving_points)
+        motion = replace(prepared(scene, way, channels), as_sketched=False)(place, np.zeros(1))
+        away = float(np.linalg.norm(distances)) / sqrt(len(distances) or 1)
         made.append(Assembly(motion, meant, away, *known.get(_branches(way), (None, ()))))
-    made.sort(key=lambda one: one.off_sketch)
-    numbers = [*dict.fromkeys(one.circuit for one in made)]
-    named = (one if one.circuit is None else replace(one, circuit=numbers.index(one.circuit)) for one in made)
-    return Assemblies(float(at[0]), [*named], complete)
+    made.sort(key=lambda assembly: assembly.off_sketch)
+    numbers = [*dict.fromkeys(assembly.circuit for assembly in made)]
+    named = (
+        assembly if assembly.circuit is None else replace(assembly, circuit=numbers.index(assembly.circuit))
+        for assembly in made
+    )
+    return Assemblies(float(place[0]), [*named], complete)
 
 
 def _branches(way: Linkage) -> tuple[Any, ...]:
@@ -96,27 +99,29 @@ def _branches(way: Linkage) -> tuple[Any, ...]:
     return tuple(group.branch for group in way.groups if not isinstance(group, Group))
 
 
-def _assembled(scene: Scene, before: Linkage, group: Dyad | Group, at: Samples) -> tuple[list[Linkage], bool]:
+def _assembled(scene: Scene, before: Linkage, group: Dyad | Group, position: Samples) -> tuple[list[Linkage], bool]:
     """A linkage with a group in each of the ways in which it closes, and whether none is missed."""
     if not isinstance(group, Group):
         both = (replace(before, groups=(*before.groups, replace(group, branch=b))) for b in (1, -1))
-        return [way for way in both if not np.any(motion_at(scene, way, at).reach.get(group.P, np.zeros(1)) < 0)], True
-    equations, frames = equations_of(scene, before.bodies, group), placed(scene, before, group, at).pose
-    q, complete = poses(equations, FramePoses(frames.z[0], frames.angle[0]), float(at[0]))
+        return [
+            way for way in both if not np.any(motion_at(scene, way, position).reach.get(group.P, np.zeros(1)) < 0)
+        ], True
+    equations, frames = equations_of(scene, before.bodies, group), placed(scene, before, group, position).pose
+    q, complete = poses(equations, FramePoses(frames.z[0], frames.angle[0]), float(position[0]))
     ways = []
     for pose in q[:, np.newaxis]:
         branch = float(np.linalg.slogdet(own_jacobian(equations, equations.pose(pose, frames)))[0][0])
-        track = Track(equations, np.inf, np.inf, at, pose, 0 * pose, 0 * pose, branch)
+        track = Track(equations, np.inf, np.inf, position, pose, 0 * pose, 0 * pose, branch)
         ways.append(replace(before, groups=(*before.groups, group), tracks={**before.tracks, group: track}))
     return ways, complete
 
 
 def _known(place: End, others: Sequence[End], turn: float) -> bool:
     """Whether a place of the drive is among others, but for whole turns."""
-    return any(joint == place[1] and abs(remainder(where - place[0], turn)) <= SAME for where, joint in others)
+    return any(joint == place[1] and abs(remainder(where - place[0], turn)) <= SAME_TOL for where, joint in others)
 
 
-def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...], tuple[int, Sequence[End]]]:
+def _circuits(scene: Scene, whole: Linkage, position: float) -> Mapping[tuple[Any, ...], tuple[int, Sequence[End]]]:
     """By branches of dyads, the number of the circuit that a position is on, and where it meets others."""
     turn, parts = tau if scene.drive.slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, ...]]]()
     for branches in product((1, -1), repeat=len(whole.groups)):
@@ -126,22 +131,22 @@ def _circuits(scene: Scene, whole: Linkage, at: float) -> Mapping[tuple[Any, ...
         touched = [place for n, place in enumerate(met) if not _known(place, met[:n], turn)]
         for first, last in motion_range(scene, way) or [((-inf, ""), (inf, ""))]:
             whole_way = first[0] == -inf
-            within = [p for p in touched if whole_way or (p[0] - first[0]) % turn <= last[0] - first[0]]
-            parts.append((branches, (first, *within, last)))
+            inner = [p for p in touched if whole_way or (p[0] - first[0]) % turn <= last[0] - first[0]]
+            parts.append((branches, (first, *inner, last)))
 
     apart = {group.P for group in whole.groups if guides_cross(group)}
 
-    def meet(one: int, other: int) -> bool:
-        (a, first), (b, second) = parts[one], parts[other]
+    def meet(i: int, j: int) -> bool:
+        (a, first), (b, second) = parts[i], parts[j]
         flipped = [group.P for group, p, q in zip(whole.groups, a, b, strict=True) if p != q]
         pairs = product(first, second) if apart.isdisjoint(flipped) else ()
-        return any([p] == flipped and p == q and abs(remainder(x - y, turn)) <= SAME for (x, p), (y, q) in pairs)
+        return any([p] == flipped and p == q and abs(remainder(x - y, turn)) <= SAME_TOL for (x, p), (y, q) in pairs)
 
     count, here = range(len(parts)), dict[tuple[Any, ...], tuple[int, Sequence[End]]]()
-    circuit = together(np.array([[one == other or meet(one, other) for other in count] for one in count]))
+    circuit = together(np.array([[i == j or meet(i, j) for j in count] for i in count]))
     for number, (branches, ends) in enumerate(parts):  # none in a gap that is too narrow to be seen
         (start, _), *_, (end, _) = ends
-        if not (at - start + SAME) % turn > end - start + 2 * SAME:
+        if not (position - start + SAME_TOL) % turn > end - start + 2 * SAME_TOL:
             met = [end for end in ends if end[1] and end[1] not in apart]
             here.setdefault(branches, (int(circuit[number]), met))
     return here
@@ -177,11 +182,11 @@ def poses(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[
 
     `placed` are the frames that it hangs on, shape (frames,), and `drive` is the position of its drive, if it has one.
     """
-    b, p, on, joints, arms = equations.bodies, equations.pins, equations.on, equations.S, equations.R
+    b, p, carriers, joints, arms = equations.bodies, equations.pins, equations.on, equations.S, equations.R
     shown = _attitudes(equations, placed)
     null = np.linalg.svd(joints[:, :b])[0][:, b:].conj().T  # of full rank: else a body would hang on nothing
-    free = [k for k in range(len(on)) if k not in equations.driven]
-    guides = -equations.along[:, np.newaxis] * shown[on]  # (s, C + 1)
+    free = [k for k in range(len(carriers)) if k not in equations.driven]
+    guides = -equations.along[:, np.newaxis] * shown[carriers]  # (s, C + 1)
     W = null @ arms @ shown
     W[:, 0] += null @ (joints[:, b:] @ placed.z)
     W += drive * null[:, p + equations.driven] @ guides[equations.driven]
@@ -190,10 +195,10 @@ def poses(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[
     angles = shown.shape[1] - 1
     y, complete = _zeros(loops, np.array([np.pi] * angles + [reach] * len(free)))
     u = np.exp(1j * np.pad(y[:, :angles], ((0, 0), (1, 0)))) @ shown.T
-    s = np.full((len(y), len(on)), drive)
+    s = np.full((len(y), len(carriers)), drive)
     s[:, free] = y[:, angles:]
     rest = u @ arms.T + joints[:, b:] @ placed.z
-    rest[:, p:] -= s * equations.along * u[:, on]
+    rest[:, p:] -= s * equations.along * u[:, carriers]
     z = -np.linalg.lstsq(joints[:, :b], rest.T, rcond=None)[0].T
     return coordinates(z, np.angle(u[:, :b])), complete
 
@@ -222,19 +227,22 @@ def together(joined: Any) -> NDArray[np.intp]:
     return np.asarray(joined.argmax(axis=-1))
 
 
+# Branch and bound: boxes of one size are divided along one unknown after another. A box is left out where the loops
+# have no zero in it (`_may`), and decided where one zero is alone around it (`_alone`, Krawczyk's operator). It ends
+# undecided where too many boxes are left at once, or where they are so small that two zeros meet in them.
 def _zeros(loops: Loops, half: Samples) -> tuple[Samples, bool]:
     """The zeros of the loops within +-half, shape (zeros, U), and whether all boxes are decided."""
     middles = (2 * np.arange(PARTS) + 1) / PARTS - 1
-    if PARTS ** len(half) > TOO_MANY:
+    if PARTS ** len(half) > MAX_BOXES:
         return np.zeros((0, len(half))), False
     y, rho = np.array([*product(middles, repeat=len(half))]) * half, half / PARTS
-    slack = SLACK * (np.abs(loops.W).sum() + np.abs(loops.V).sum() * half.max())
+    slack = ROUND_OFF_TOL * (np.abs(loops.W).sum() + np.abs(loops.V).sum() * half.max())
     zeros, level = np.zeros((0, len(half))), 0
-    while len(y) and len(y) < TOO_MANY and rho.max() > LEAST * half.max():
+    while len(y) and len(y) < MAX_BOXES and rho.max() > MIN_BOX * half.max():
         y = y[_may(loops, y, rho, slack)]
-        at, alone = _alone(loops, y, rho)
-        here = alone & (np.abs(at - y) <= rho * (1 + SAME)).all(axis=1)
-        zeros = np.concatenate([zeros, at[here]])
+        roots, alone = _alone(loops, y, rho)
+        here = alone & (np.abs(roots - y) <= rho * (1 + SAME_TOL)).all(axis=1)
+        zeros = np.concatenate([zeros, roots[here]])
         y, axis = y[~alone], level % len(half)
         rho = np.where(np.arange(len(half)) == axis, rho / 2, rho)
         step = np.zeros(len(half))
@@ -243,7 +251,7 @@ def _zeros(loops: Loops, half: Samples) -> tuple[Samples, bool]:
     kept: list[Samples] = []
     for zero in zeros:
         apart = [np.abs(np.where(half == np.pi, np.angle(np.exp(1j * (zero - k))), zero - k)) for k in kept]
-        if not any((off <= SAME * half).all() for off in apart):
+        if not any((distance <= SAME_TOL * half).all() for distance in apart):
             kept.append(zero)
     return np.array(kept).reshape(-1, len(half)), not len(y)
 
@@ -254,18 +262,18 @@ def _may(loops: Loops, y: Samples, rho: Samples, slack: float) -> Any:
     bend = loops.bend(arms, np.broadcast_to(rho, y.shape)) @ rho / 2 + slack
     may = (np.abs(F) <= np.abs(J) @ rho + bend).all(axis=1)
     inverse = inverses(J)
-    off, more = np.abs(np.einsum("nij,nj->ni", inverse, F)), np.einsum("nij,nj->ni", np.abs(inverse), bend)
-    return may & ~(off > rho + more).any(axis=1)
+    correction, more = np.abs(np.einsum("nij,nj->ni", inverse, F)), np.einsum("nij,nj->ni", np.abs(inverse), bend)
+    return may & ~(correction > rho + more).any(axis=1)
 
 
 def _alone(loops: Loops, y: Samples, rho: Samples) -> tuple[Samples, Any]:
     """The zeros that Newton's method leads to from the middles of boxes, and whether each is alone around its box."""
-    at = y
-    for _ in range(NEWTON):
-        F, J, arms = loops.at(at)
-        at = at - np.einsum("nij,nj->ni", inverses(J), F)
-    F, J, arms = loops.at(at)
-    inverse, around = inverses(J), np.abs(at - y) + rho
-    off = np.abs(np.einsum("nij,nj->ni", inverse, F))
+    root = y
+    for _ in range(NEWTON_STEPS):
+        F, J, arms = loops.at(root)
+        root = root - np.einsum("nij,nj->ni", inverses(J), F)
+    F, J, arms = loops.at(root)
+    inverse, around = inverses(J), np.abs(root - y) + rho
+    correction = np.abs(np.einsum("nij,nj->ni", inverse, F))
     moved = np.einsum("nij,njk,nk->ni", np.abs(inverse), loops.bend(arms, around), around)
-    return at, (off + moved < around * (1 - SAME)).all(axis=1)
+    return root, (correction + moved < around * (1 - SAME_TOL)).all(axis=1)

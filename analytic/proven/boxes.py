@@ -35,14 +35,17 @@ from ..solve import prepared
 from ..way.windings import attitudes
 from .branches import ROOM, Branches, branches
 
-FIRST = 64  # boxes of a range, before any is divided
+FIRST_BOXES = 64  # of a range, before any is divided
 LAST_PLACE = 2.0**-52  # of a number of the file, which was rounded when it was read and when it became SI
-LAW = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and of a spline's equations
+LAW_TOL = 2.0**-44  # of the terms of a motion law, whose numbers come of sums and of a spline's equations
 STROKE, PARTS, STROKE_LEVELS = 512, 64, 3  # boxes of a cycle, parts of a box, levels: how a stroke's end is found
 BLOCK = 512  # boxes of which the models are found at a time, so that they stay in cache
-MOST, SLOWER = 8000, 5  # boxes at a time, which take seconds; with larger groups a box takes some times as long
-FEW, ALONE = 3, 16  # dyads that hang on each other: of more bounds grow, of still more so far that they tell nothing
-WAYS = 27  # in which three joints may move or rest; more are too many
+MAX_BOXES, SLOWER = 8000, 5  # boxes at a time, which take seconds; with larger groups a box takes some times as long
+MAX_TIGHT, MAX_ALONE = (
+    3,
+    16,
+)  # dyads that hang on each other: of more bounds grow, of still more so far that they tell nothing
+MAX_WAYS = 27  # in which three joints may move or rest; more are too many
 Numbers: TypeAlias = NDArray[np.intp]
 
 
@@ -68,25 +71,25 @@ class Boxes:
         angles = [own_channel(group.P, TRANSMISSION) for group in whole.groups if not isinstance(group, Group)]
         parts, channels = {**scene.channels.magnitudes, TRANSMISSION: angles}, None
         if names is not None:
-            every = {*parts, *(name for own, _ in all_channels(scene, whole.groups) for name in own)}
+            every = {*parts, *(name for names_of, _ in all_channels(scene, whole.groups) for name in names_of)}
             known_names("names", names, every)
             channels = frozenset(part for name in names for part in parts.get(name, [name]))
         self.core = prepared(scene, whole, channels)
         linkage = self.core.linkage
         hanging = depth(linkage) if len(two_bars(linkage)) > 1 and not linkage.tracks else 0
-        self.chained = hanging > ALONE if chain is None else chain
-        self.grows = not self.chained and hanging > FEW
+        self.chained = hanging > MAX_ALONE if chain is None else chain
+        self.grows = not self.chained and hanging > MAX_TIGHT
         self.program = recorded(scene, scene.numbers.keys(), channels, proven=True, chain=self.chained)
         make, rows = self.program.make, dict(self.program.channels)
-        for name, own in parts.items():
-            if own and rows.keys() >= {*own}:
-                of, least = [rows[part] for part in own], partial(make, "minimum")
-                rows[name] = reduce(least, of) if name == TRANSMISSION else abs(Traced(make, *of)).x
+        for name, parts_of in parts.items():
+            if parts_of and rows.keys() >= {*parts_of}:
+                expressions, least = [rows[part] for part in parts_of], partial(make, "minimum")
+                rows[name] = reduce(least, expressions) if name == TRANSMISSION else abs(Traced(make, *expressions)).x
         self.names = [name for name in rows if names is None or name in names]
         units = [scene.channels[name].unit for name in self.names]
         self.kinds: Numbers = np.unique([unit.partition("*")[0] for unit in units], return_inverse=True)[1]
         self.arms = np.array([self.core.linkage.arm if unit == "N*m" else 1.0 for unit in units])  # of moments, m
-        self.most = MOST // SLOWER if self.core.linkage.tracks else MOST
+        self.most = MAX_BOXES // SLOWER if self.core.linkage.tracks else MAX_BOXES
         turning = [body for body, channels in scene.channels.bodies.items() if channels.angle in rows]
         self.windings = {**self.core.windings, **attitudes(scene, self.core.linkage, turning)}
         self.numbers: dict[str, TaylorModel] = {}
@@ -97,11 +100,11 @@ class Boxes:
         for group, track in self.core.linkage.tracks.items():
             self.numbers[inputs_of(group)[2]] = point(track.branch, self.like)
         groups = self.program.closed.values()
-        self.poses = [make.component(one, i) for one in groups for i in range(len(one.of[0].coordinates))]
+        self.poses = [make.component(closing, i) for closing in groups for i in range(len(closing.of[0].coordinates))]
         self.branches: Branches | None = None
         if self.poses:
-            over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
-            self.branches = branches(over, self.divided(FIRST), self.most, periodic=law.periodic)
+            poses_over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
+            self.branches = branches(poses_over, self.divided(FIRST_BOXES), self.most, periodic=law.periodic)
         for place, (displacement, _) in self.program.strokes.items():
             self.numbers[place] = self._stroke_end(displacement, scene.presses[place].closing)
         self._line = self._line_of([*(rows[name] for name in self.names), *self.program.conditions.values()])
@@ -113,12 +116,12 @@ class Boxes:
         With them which box each is of, shape (n,): one in which a press force may come or go, or a joint with friction
         may turn back, is there several times, once for each way.
         """
-        given, own = self.given(low, high), np.arange(len(low))
+        given, box = self.given(low, high), np.arange(len(low))
         if self.program.make.choices:
-            made, own = _chosen(self._over(self._choices, low, high, given))
-            given = {name: one[own] for name, one in given.items()}
+            made, box = _chosen(self._over(self._choices, low, high, given))
+            given = {name: values[box] for name, values in given.items()}
             given |= {name: made[row] for row, name in enumerate(self.program.make.choices)}
-        return self._over(self._line, low[own], high[own], given), own
+        return self._over(self._line, low[box], high[box], given), box
 
     def over(self, first: int, last: int) -> "Boxes":
         """The same of the cycles from one number to another, the first being 0."""
@@ -131,7 +134,7 @@ class Boxes:
         parts = np.ceil(count * np.diff(self.edges) / self.way).astype(int)
         pieces = zip(self.edges[:-1], self.edges[1:], parts, strict=True)
         ends = [np.linspace(low, high, n + 1) for low, high, n in pieces]
-        return np.concatenate([own[:-1] for own in ends]), np.concatenate([own[1:] for own in ends])
+        return np.concatenate([edges[:-1] for edges in ends]), np.concatenate([edges[1:] for edges in ends])
 
     def _line_of(self, rows: Sequence[Expression]) -> BoxLine:
         """The line that has rows, and the poses of larger groups."""
@@ -143,7 +146,7 @@ class Boxes:
         """The models of a line's rows, all of all boxes; none where a larger group may be on another branch."""
         given, parts = given or self.given(low, high), []
         for first in range(0, len(low), BLOCK):
-            here = {name: one[first : first + BLOCK] for name, one in given.items()}
+            here = {name: values[first : first + BLOCK] for name, values in given.items()}
             boxes = point(np.zeros(len(here["position"].rest)), self.like)
             parts.append(stacked([*line(here), boxes]))
         every = joined(parts)[:-1]
@@ -160,12 +163,12 @@ class Boxes:
         for _ in range(STROKE_LEVELS):
             models = self._over(line, low, high)
             c, rest = closing * models.c[:, 0], models.rest[0]
-            top, off = parabola_most(c), rest + LAST_PLACE * np.abs(c).sum(axis=0)
-            known = np.where(np.isnan(off), -np.inf, top - off)
+            top, error = parabola_most(c), rest + LAST_PLACE * np.abs(c).sum(axis=0)
+            known = np.where(np.isnan(error), -np.inf, top - error)
             best = int(known.argmax())
-            beside = np.abs(c[3:] - c[3:, [best]]).sum(axis=0)
-            near = ~(top + off + beside < known[best])
-            most = np.max((top + off + beside)[near])
+            further = np.abs(c[3:] - c[3:, [best]]).sum(axis=0)
+            near = ~(top + error + further < known[best])
+            most = np.max((top + error + further)[near])
             low, high = cut(low[near], high[near], PARTS)
         end = point((known[best] + most) / 2, self.like, (most - known[best]) * (0.5 + LAST_PLACE) + LAST_PLACE)
         end.c[3:] = c[3:, [best]]
@@ -179,19 +182,22 @@ class Boxes:
         law = self.scene.drive.law
         if isinstance(law, ConstantSpeed):
             given = {"position": way, "time": (way - self.numbers["drive.start"]) / self.numbers["drive.speed"]}
-            at = Driven(middle, np.ones(()), np.zeros(()))
+            state = Driven(middle, np.ones(()), np.zeros(()))
         else:
             given = {**driven(law, way, middle)._asdict(), "time": way}
-            at = law.at(middle)
-        wound = {name: point(winding(at.position), self.like) for name, winding in self.windings.items()}
-        return {**given, **self._guesses(at, low, high), **wound}
+            state = law.at(middle)
+        wound = {name: point(winding(state.position), self.like) for name, winding in self.windings.items()}
+        return {**given, **self._guesses(state, low, high), **wound}
 
-    def _guesses(self, at: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
+    def _guesses(self, state: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
         """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""
         law, constant = self.scene.drive.law, isinstance(self.scene.drive.law, ConstantSpeed)
         ends = (end if constant else law.at(end).position for end in (low, high))
-        places = np.concatenate([at.position, *ends])
-        several, found = inputs_at(at._replace(position=places), [self.core.linkage.tracks]), dict[str, TaylorModel]()
+        places = np.concatenate([state.position, *ends])
+        several, found = (
+            inputs_at(state._replace(position=places), [self.core.linkage.tracks]),
+            dict[str, TaylorModel](),
+        )
         for name in several.keys() - {*Driven._fields}:
             three = np.broadcast_to(np.ravel(several[name]), len(places)).reshape(3, len(low))
             known = np.take_along_axis(three, np.isnan(three).argmin(axis=0)[np.newaxis], axis=0)
@@ -211,18 +217,18 @@ def cut(low: Samples, high: Samples, parts: int) -> tuple[Samples, Samples]:
 def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     """Enumerate the whole numbers that each row may take in each box; return them, and the box of each.
 
-    A row with more than `WAYS` candidates keeps its bounds.
+    A row with more than `MAX_WAYS` candidates keeps its bounds.
     """
     least, most = np.ceil(numbers.range[0]), np.floor(numbers.range[1])
     ways = np.where(np.isnan(most), 1, most - least + 1).astype(int)
-    ways[:, ways.prod(axis=0) > WAYS] = 1
-    own = np.repeat(np.arange(ways.shape[1]), ways.prod(axis=0))
-    copy, slower = np.arange(len(own)) - np.searchsorted(own, own), np.cumprod(ways, axis=0) // ways
-    values = least[:, own] + copy // slower[:, own] % ways[:, own]
-    known = ((ways > 1) | (most == least))[:, own]
-    c = np.where(known, 0.0, numbers.c[:, :, own])
+    ways[:, ways.prod(axis=0) > MAX_WAYS] = 1
+    box = np.repeat(np.arange(ways.shape[1]), ways.prod(axis=0))
+    copy, slower = np.arange(len(box)) - np.searchsorted(box, box), np.cumprod(ways, axis=0) // ways
+    values = least[:, box] + copy // slower[:, box] % ways[:, box]
+    known = ((ways > 1) | (most == least))[:, box]
+    c = np.where(known, 0.0, numbers.c[:, :, box])
     c[0] = np.where(known, values, c[0])
-    return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, own])), own
+    return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, box])), box
 
 
 def cycle_edges(scene: Scene, first: int, last: int) -> Samples:
@@ -243,20 +249,20 @@ def driven(law: DriveLaw, way: TaylorModel, middle: Samples) -> Any:
     pieces: Sequence[Piece] = law.pieces  # type: ignore[union-attr]
     cycles = np.floor(middle / law.cycle) if law.periodic else np.zeros(len(middle))
     before = law.cycle * cycles
-    own = np.searchsorted([piece.begin for piece in pieces], middle - before, side="right") - 1
+    index = np.searchsorted([piece.begin for piece in pieces], middle - before, side="right") - 1
 
-    def each(values: Sequence[float], off: float = LAW) -> Any:
-        known = np.array(values)[own]
-        return point(known, len(way.c), off * np.abs(known))
+    def each(values: Sequence[float], error: float = LAW_TOL) -> Any:
+        known = np.array(values)[index]
+        return point(known, len(way.c), error * np.abs(known))
 
     begin = each([piece.begin for piece in pieces], len(pieces) * LAST_PLACE)  # a sum of as many durations at most
     begin = point(begin.c[0] + before, len(way.c), begin.rest + len(pieces) * LAST_PLACE * before)
     polynomial = [each(terms) for terms in zip_longest(*(piece.polynomial for piece in pieces), fillvalue=0.0)]
     several: Any = zip_longest(*(piece.sines for piece in pieces), fillvalue=(0.0, 0.0, 0.0))
     sines = [tuple(each(values) for values in zip(*each_one, strict=True)) for each_one in several]
-    at: Any = Piece(begin, polynomial, sines, each([piece.lag for piece in pieces], 0.0)).at(way)  # type: ignore[arg-type]
+    state: Any = Piece(begin, polynomial, sines, each([piece.lag for piece in pieces], 0.0)).at(way)  # type: ignore[arg-type]
     if not cycles.any():
-        return at
+        return state
     first, last = law.after([0, 1])
-    gained = point(cycles * (last - first), len(way.c), LAW * np.abs(cycles) * (abs(first) + abs(last)))
-    return at._replace(position=at.position + gained)
+    gained = point(cycles * (last - first), len(way.c), LAW_TOL * np.abs(cycles) * (abs(first) + abs(last)))
+    return state._replace(position=state.position + gained)

@@ -16,7 +16,7 @@ from scenes.model.motion import Samples
 from ..recorded.arithmetics.systems import alone
 from ..recorded.arithmetics.taylor_models import ROUNDED, TaylorModel, joined
 
-LEAST = 2.0**-44  # of the whole way: no box is divided further
+MIN_BOX = 2.0**-44  # of the whole way: none is divided further
 ROOM = 4.0  # times a pose's ball, in that of which two boxes are to have no other: one lies in it beside another
 
 
@@ -36,12 +36,12 @@ class Branches:
         if self.periodic:
             turn = self.high[-1] - self.low[0]
             low, middle, high = (x - turn * np.floor((middle - self.low[0]) / turn) for x in (low, middle, high))
-        first, own = (np.maximum(np.searchsorted(self.low, x, "right") - 1, 0) for x in (low, middle))
+        first, nearest = (np.maximum(np.searchsorted(self.low, x, "right") - 1, 0) for x in (low, middle))
         end = np.searchsorted(self.low, high)
         unknown = np.append(0, np.cumsum(np.isnan(self.poses.rest).any(axis=0)))
-        half, off = ((self.high[own] + sign * self.low[own]) / 2 for sign in (-1, 1))
+        half, centre = ((self.high[nearest] + sign * self.low[nearest]) / 2 for sign in (-1, 1))
         same = _same(
-            self.poses[..., own], (middle - off) / half, poses, 0.0, 1.0, np.maximum(slip, np.abs(middle)) / half
+            self.poses[..., nearest], (middle - centre) / half, poses, 0.0, 1.0, np.maximum(slip, np.abs(middle)) / half
         )
         return same & (unknown[end] == unknown[first])
 
@@ -68,7 +68,7 @@ def branches(
         meets[-1] |= not periodic
         closed, none = np.isfinite(found.rest).all(axis=0), np.isinf(found.rest).any(axis=0)
         unknown = ~none & ~(closed & meets & np.roll(meets, 1))
-        divided = unknown & (high - low > LEAST * (high[-1] - low[0]))
+        divided = unknown & (high - low > MIN_BOX * (high[-1] - low[0]))
         if not divided.any() or 2 * divided.sum() > most:
             return Branches(low, high, TaylorModel(found.c, np.where(unknown | none, np.nan, found.rest)), periodic)
         middle = (low[divided] + high[divided]) / 2

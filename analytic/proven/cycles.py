@@ -18,7 +18,7 @@ from .boxes import Boxes
 
 AT_ONCE = 4  # cycles, whose first boxes take hardly longer than those of one
 MAX_CYCLES = 200  # that are enclosed, each in some tenths of a second
-SAME_PERIOD = 1e-12  # of a cycle: what a unit's conversion leaves of a table's period that fits into it
+PERIOD_TOL = 1e-12  # of a cycle: what a unit's conversion leaves of a table's period that fits into it
 ROUNDED = 2.0**-50  # of an angle that has gained whole turns
 
 
@@ -52,7 +52,7 @@ def _lasting(boxes: Boxes) -> bool:
     cycle = {"time": law.cycle, "drive": turn if turn > tau / 2 else 0.0, "displacement": 0.0}  # none: it comes back
     for table in (load.table for load in scene.loads if load.table is not None and cycle[load.table.over]):
         periods = cycle[table.over] / (table.arguments[-1] - table.arguments[0])
-        if not table.periodic or not abs(periods - round(periods)) <= SAME_PERIOD * round(periods):
+        if not table.periodic or not abs(periods - round(periods)) <= PERIOD_TOL * round(periods):
             return True
     turned = bool(cycle["drive"]) and any(spring.drives(scene) for spring in scene.torsion_springs)
     return turned or any(_gain(boxes, boxes.windings[name]) for name in wound(scene))
@@ -71,9 +71,11 @@ def _gained(boxes: Boxes, row: Enclosure, cycles: int) -> Enclosure:
     gain = cycles * _gain(boxes, winding) if winding and cycles else 0.0
     if not (gain > 0 if row.extreme == "most" else gain < 0):
         return row
-    law, off = boxes.scene.drive.law, ROUNDED * (abs(gain) + abs(row.low) + abs(row.high))
+    law, error = boxes.scene.drive.law, ROUNDED * (abs(gain) + abs(row.low) + abs(row.high))
     later = float(law.after(cycles) - law.after(0)) if isinstance(law, ConstantSpeed) else cycles * law.cycle
-    low, high, *places = (value + by for value, by in zip(row[2:], (gain - off, gain + off, later, later), strict=True))
+    low, high, *places = (
+        value + shift for value, shift in zip(row[2:], (gain - error, gain + error, later, later), strict=True)
+    )
     return Enclosure(*row[:2], low, high, *places)
 
 

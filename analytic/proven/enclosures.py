@@ -20,17 +20,17 @@ from scenes.drive import ConstantSpeed
 from scenes.model.enclosures import Enclosure, Enclosures
 from scenes.model.motion import Samples
 
-from .boxes import FIRST, Boxes, Numbers, cut
-from .branches import LEAST
+from .boxes import FIRST_BOXES, Boxes, Numbers, cut
+from .branches import MIN_BOX
 from .cycles import over_cycles
 from .levels import Level, joined
 from .reasons import GROW, why_open, why_unbounded
 
 AT_ONCE = 256  # boxes, which take about as long as a single one
-FEWEST, MOST = 4, 64  # parts of a box
-FLAT = 1e-9  # of the largest value of a row's kind: what changes by less is zero, or the same, but for round-off
-ROUGHLY = 1e-6  # of that value: how closely such a row is known, whose boxes all hold its extremes
-ONE_PLACE = 1e-3  # of the way: an extreme that may be in places as near as that is in one that has them all
+MIN_PARTS, MAX_PARTS = 4, 64  # parts of a box
+FLAT_TOL = 1e-9  # of the largest value of a row's kind: what changes by less is zero, or the same, but for round-off
+FLAT_ACCURACY = 1e-6  # of that value: how closely such a row is known, whose boxes all hold its extremes
+ONE_PLACE_TOL = 1e-3  # of the way: an extreme that may be in places as near as that is in one that has them all
 DECIDED = 8  # rests of a single position, as most are: what doubles can decide
 
 Span: TypeAlias = tuple[float, float]
@@ -64,7 +64,7 @@ def enclose(
     if off is not None and not isinstance(off, Mapping):
         refuse("off", "numbers by path, as {'bodies.rod.mass': 0.1}", off)
     known_names("off", off or {}, numbers)
-    off = {path: float(finite_numbers(f"off: {path}", one_number(path, by))) for path, by in (off or {}).items()}
+    off = {path: float(finite_numbers(f"off: {path}", one_number(path, value))) for path, value in (off or {}).items()}
     if not finite_numbers("accuracy", one_number("accuracy", accuracy)) > 0:
         refuse("accuracy", "a number above zero", accuracy)
     if isinstance(turns, bool) or not isinstance(turns, Integral) or turns < 1 or (turns > 1 and not scene.periodic):
@@ -98,16 +98,16 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     boxes, law = Boxes(scene_of(scene), names, {}), scene.drive.law
     if law.periodic and not isinstance(law, ConstantSpeed):
         boxes = boxes.over(int(edges[0] // law.cycle), int(edges[-1] // law.cycle) + 1)
-    at = edges if isinstance(law, ConstantSpeed) else law.at(np.union1d(edges, boxes.edges)).position
-    boxes.core.check_hull(at)
+    positions = edges if isinstance(law, ConstantSpeed) else law.at(np.union1d(edges, boxes.edges)).position
+    boxes.core.check_hull(positions)
     ends = np.union1d(edges, boxes.edges[(boxes.edges > edges[0]) & (boxes.edges < edges[-1])])
-    models, own = boxes(ends[:-1], ends[1:])
+    models, box = boxes(ends[:-1], ends[1:])
     low, high = models.range
-    first = np.searchsorted(ends[own], edges[:-1])  # of the models between two places
+    first = np.searchsorted(ends[box], edges[:-1])  # of the models between two places
     apart = np.maximum.reduceat(high, first, axis=1) - np.minimum.reduceat(low, first, axis=1)
-    single = np.diff(np.append(first, len(own))) == 1  # without a jump between them, and within one piece of a law
-    off = np.where(single, (np.abs(models.c[2]) + 2 * models.rest)[:, first], apart)
-    return dict(zip(boxes.names, off, strict=False))  # the conditions come last
+    single = np.diff(np.append(first, len(box))) == 1  # without a jump between them, and within one piece of a law
+    departure = np.where(single, (np.abs(models.c[2]) + 2 * models.rest)[:, first], apart)
+    return dict(zip(boxes.names, departure, strict=False))  # the conditions come last
 
 
 def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
@@ -117,7 +117,7 @@ def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
     row's range, asks for and doubles can decide; it is on the first part of the way that is known to hold it, or else
     that may. Conditions are to be positive; what is open is the first part of the way where one may not be.
     """
-    low, high = boxes.divided(FIRST)
+    low, high = boxes.divided(FIRST_BOXES)
     way, rows = high.max() - low.min(), len(boxes.names)
     rest = boxes(low, low)[0].rest[:rows]
     # NumPy's median loads the package of masked arrays.
@@ -128,14 +128,14 @@ def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
         level, attained = Level.of(boxes, low, high, attained)
         size = np.reshape(attained, (2, rows))
         near = np.maximum(boxes.arms * _tolerance(size / boxes.arms, boxes.kinds, accuracy), rounding)
-        wanted, own = level.wanted(np.ravel(size + near)), level.own
-        divisible = ~level.fails & (level.high - level.low > LEAST * way)
+        wanted, box = level.wanted(np.ravel(size + near)), level.own
+        divisible = ~level.fails & (level.high - level.low > MIN_BOX * way)
         for some in (wanted, level.doubtful, np.False_):  # of too many, those alone where it may not assemble
             divided = np.zeros(len(low), np.bool_)
-            divided[own[some & divisible]] = True  # with all that is assumed of a box
-            if FEWEST * divided.sum() <= boxes.most:
+            divided[box[some & divisible]] = True  # with all that is assumed of a box
+            if MIN_PARTS * divided.sum() <= boxes.most:
                 break
-        done.append(level.kept(~divided[own], attained))
+        done.append(level.kept(~divided[box], attained))
         low, high = low[divided], high[divided]
         if not len(low):
             for number, level in enumerate(done):
@@ -144,7 +144,7 @@ def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
             every = joined(done)
             done.clear()  # of what takes most of the memory there is no second copy for long
             return _enclosed(boxes, every, attained, way)
-        low, high = cut(low, high, int(np.clip(AT_ONCE // len(low), FEWEST, MOST)))
+        low, high = cut(low, high, int(np.clip(AT_ONCE // len(low), MIN_PARTS, MAX_PARTS)))
 
 
 def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
@@ -152,30 +152,30 @@ def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
     size = np.zeros(kinds.max(initial=0) + 1)
     np.maximum.at(size, kinds, np.where(np.isfinite(attained), np.abs(attained), 0.0).max(axis=0))
     span = attained.sum(axis=0)
-    flat = max(accuracy, ROUGHLY) * size[kinds]
-    return np.where(np.isfinite(span), np.where(span > FLAT * size[kinds], accuracy * span, flat), 0.0)
+    flat = max(accuracy, FLAT_ACCURACY) * size[kinds]
+    return np.where(np.isfinite(span), np.where(span > FLAT_TOL * size[kinds], accuracy * span, flat), 0.0)
 
 
 def _enclosed(boxes: Boxes, every: Level, attained: Samples, way: float) -> Enclosures:
     """The extremes by boxes with all the way."""
     unsure = every.doubtful & ~every.fails
-    several = (unsure, LEAST * way), (every.fails, -np.inf)  # of those that fail the first box alone
+    several = (unsure, MIN_BOX * way), (every.fails, -np.inf)  # of those that fail the first box alone
     spans = (_first(every.low[some], every.high[some], some[some], gap) for some, gap in several)
     open_at = min((span for span in spans if span), default=None)
     if open_at is not None:
-        return Enclosures((), open_at, why=why_open(boxes, every, open_at[0], LEAST * way))
+        return Enclosures((), open_at, why=why_open(boxes, every, open_at[0], MIN_BOX * way))
     most = attained.copy()
     np.maximum.at(most, every.row, every.most)
     begins, ends, holds = every.places(attained, most)
     edges = pairwise(np.searchsorted(every.row, np.arange(len(attained) + 1)))
-    parts = [_first(begins[a:b], ends[a:b], holds[a:b], ONE_PLACE * way) or (np.nan, np.nan) for a, b in edges]
+    parts = [_first(begins[a:b], ends[a:b], holds[a:b], ONE_PLACE_TOL * way) or (np.nan, np.nan) for a, b in edges]
     shape = 2, len(boxes.names)
     most, attained = np.reshape(most, shape), np.reshape(attained, shape)
     places = np.reshape(parts, (*shape, 2)).transpose(2, 0, 1)
     bounds = np.array([[-most[0], attained[1]], [-attained[0], most[1]], *places])  # shape (4, 2, rows)
     extreme = zip(product(boxes.names, ("least", "most")), bounds.T.reshape(-1, 4).tolist(), strict=True)
-    found = [Enclosure(*which, *of) for which, of in extreme]
-    return Enclosures(found, None, why=why_unbounded(every, LEAST * way))
+    found = [Enclosure(*row, *bound) for row, bound in extreme]
+    return Enclosures(found, None, why=why_unbounded(every, MIN_BOX * way))
 
 
 def _first(begins: Samples, ends: Samples, holds: Any, apart: float) -> Span | None:

@@ -7,7 +7,7 @@ from .boxes import Boxes
 from .levels import Level
 
 GROW = "grow from group to group"
-WIDTHS = 64  # of the smallest boxes: one that is no wider is not divided any more
+MIN_WIDTHS = 64  # of the smallest boxes: one that is no wider is not divided any more
 
 
 def why_open(boxes: Boxes, every: Level, begin: float, smallest: float) -> str:
@@ -24,9 +24,9 @@ def why_open(boxes: Boxes, every: Level, begin: float, smallest: float) -> str:
     name = " or ".join([name, *others])
     if every.fails[box]:
         return f"{name} cannot be reached"
-    if high[0] - low[0] <= WIDTHS * smallest:
-        beside = ", and cannot be reached beside it" * bool(every.fails.any())
-        return f"{name} is in a singular configuration there, as nearly as 16 digits can tell{beside}"
+    if high[0] - low[0] <= MIN_WIDTHS * smallest:
+        unreached = ", and cannot be reached beside it" * bool(every.fails.any())
+        return f"{name} is in a singular configuration there, as nearly as 16 digits can tell{unreached}"
     single, _ = Level.of(boxes, middle, middle, np.full(2 * len(boxes.names), -np.inf))
     if single.doubtful[0]:
         open_too = f"whether {names[int(single.condition[0])]} closes is open at a single position too"
@@ -39,6 +39,6 @@ def why_unbounded(every: Level, smallest: float) -> str:
     unknown = every.box[np.isinf(every.most)]
     if not len(unknown):
         return ""
-    if (every.high - every.low)[unknown].min() <= WIDTHS * smallest:
+    if (every.high - every.low)[unknown].min() <= MIN_WIDTHS * smallest:
         return "they are divided by a number that is zero there, or nearly"
     return f"their bounds {GROW}, and more boxes would be needed than there is room for"

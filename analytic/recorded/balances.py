@@ -40,7 +40,7 @@ class RecordedBalance(FrictionBalance):
         loads: list[Expression] = []
         for body in group.bodies:
             force, moment = (traced(make, x) for x in self.applied(body, self.scene.bodies[body].points[0]))
-            loads += [make("negative", one) for one in (force.x, force.y, moment.x)]
+            loads += [make("negative", component) for component in (force.x, force.y, moment.x)]
         m = len(loads)
         system = make.system([J[m * row + column] for column in range(m) for row in range(m)], loads)
         self.spread(group, [Traced(make, make.component(system, i)) for i in range(m)])
@@ -65,13 +65,15 @@ class BoundedBalance(RecordedBalance):
         """
         w, _ = BoundedLoads(loads.rubbing, loads.X0, loads.S).solved()
         self.contracts(loads.contraction)
-        slopes = [one.slope() for one in loads.rubbing]
-        left = [np.abs(one) for one in loads.open(w, slopes)[0]]
-        sizes = ([one.size(s) for s in row] for one, row in zip(loads.rubbing, loads.S, strict=True))
+        slopes = [joint.slope() for joint in loads.rubbing]
+        left = [np.abs(residual) for residual in loads.open(w, slopes)[0]]
+        sizes = ([joint.size(s) for s in row] for joint, row in zip(loads.rubbing, loads.S, strict=True))
         largest = reduce(np.maximum, (reduce(np.add, map(np.multiply, row, left)) for row in sizes))
-        off = largest / (1.0 - loads.contraction)
+        distance = largest / (1.0 - loads.contraction)
         every = zip(w, left, slopes, strict=True)
-        return [Traced(x.make, x.make("within", x.x, (own + np.abs(slope) * off).x)) for x, own, slope in every]
+        return [
+            Traced(x.make, x.make("within", x.x, (error + np.abs(slope) * distance).x)) for x, error, slope in every
+        ]
 
     def rubbing(self, one: Friction) -> Rubbing:
         """A friction as it acts, of one sense at a time."""

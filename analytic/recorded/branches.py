@@ -25,7 +25,7 @@ from .program import Program, inputs_at
 from .traced import traced
 
 COARSE = 4  # steps of the core's own branch, from pose to pose
-BESIDE = 0.05  # of a move: by how much the way to a machine's pose may change meanwhile; half of what is allowed later
+MAX_CHANGE = 0.05  # of a move, of the way to a machine's pose meanwhile; half of what is allowed later
 
 
 def branches(scene: Scene, program: Program, numbers: Mapping[str, Samples], count: int) -> list[dict[Group, Track]]:
@@ -33,8 +33,8 @@ def branches(scene: Scene, program: Program, numbers: Mapping[str, Samples], cou
     each: list[dict[Group, Track]] = [{} for _ in range(count)]
     if program.closed:
         whole = decompose(scene)
-        own = followed(scene, replace(whole, groups=whole.groups[: len(program.linkage.groups)]))
-        for group, track in own.tracks.items():
+        followed_linkage = followed(scene, replace(whole, groups=whole.groups[: len(program.linkage.groups)]))
+        for group, track in followed_linkage.tracks.items():
             coarse = _thinned(track, scene.sketch.drive)
             for tracks, q in zip(each, _poses(scene, program, numbers, group, coarse, each), strict=True):
                 tracks[group] = replace(coarse, q=q)
@@ -47,8 +47,8 @@ def _thinned(track: Track, sketch: float) -> Track:
     dropped = 1
     while dropped:
         before, after = kept.rows(slice(None, -2, 2)), kept.rows(slice(2, None, 2))
-        between = kept.position[1:-1:2]
-        drop = (after.position - before.position <= kept.step) & (after.off_parabola(before) <= 1) & (between != sketch)
+        middle = kept.position[1:-1:2]
+        drop = (after.position - before.position <= kept.step) & (after.off_parabola(before) <= 1) & (middle != sketch)
         rows = np.ones(len(kept.position), np.bool_)
         rows[1:-1:2] = ~drop
         kept, dropped = kept.rows(rows), int(drop.sum())
@@ -63,32 +63,39 @@ def _poses(
     track: Track,
     before: list[dict[Group, Track]],
 ) -> Samples:
-    """The coordinates of each machine at the poses of a branch, shape (machines, N, k), NaN where they are unknown."""
+    """The coordinates of each machine at the poses of a branch, shape (machines, N, k), NaN where they are unknown.
+
+    Newton's method finds them from the poses of the linkage as drawn. A machine's branch is the one of its own sketch:
+    at the sketch's position it has to have the sketched pose. From there it is known as far as it moves from pose to
+    pose about as the drawn linkage does; over a whole turn it has to come back.
+    """
     make, closed, k, start = program.make, program.closed[group], track.q.shape[1], scene.sketch.drive
     closing, begin, (allowed, branch, size_of) = closed.of[0], closed.of[1 : k + 1], closed.of[k + 1 : k + 4]
-    (at,) = track.nearest(np.array([start]))
-    if track.position[at] != start:  # of a crank that is driven elsewhere than it is drawn
+    (row,) = track.nearest(np.array([start]))
+    if track.position[row] != start:  # of a crank that is driven elsewhere than it is drawn
         return np.full((len(before), *track.q.shape), np.nan)
 
     def values(expressions: list[Expression], position: Samples, sought: Mapping[str, Samples]) -> Samples:
         given = inputs_at(Driven(position, np.ones(()), np.zeros(())), before)
         return StraightLine(expressions)({**numbers, **given, branch.of[0]: track.branch, **sought})
 
-    drawn = [traced(make, one).x for one in sketched_coordinates(program.scene, group, program.linkage.bodies)]
+    drawn = [
+        traced(make, coordinate).x for coordinate in sketched_coordinates(program.scene, group, program.linkage.bodies)
+    ]
     rows = values([*drawn, size_of, *closing.outer], np.array([start]), {})
     size = rows[k]
     sketched = assemble(NewtonsMethod(closing).correction(rows[k + 1 :]), np.moveaxis(rows[:k], 0, -1), size)
 
-    guesses = dict(zip([one.of[0] for one in begin], track.q.T, strict=True))
+    guesses = dict(zip([entry.of[0] for entry in begin], track.q.T, strict=True))
     anywhere = {allowed.of[0]: np.full(len(track.q), np.inf)}
     q = np.moveaxis(values([make.component(closed, i) for i in range(k)], track.position, guesses | anywhere), 0, -1)
-    off = q[:, [at]] - sketched
-    off[..., 2::3] = within_a_turn(off[..., 2::3])
+    change = q[:, [row]] - sketched
+    change[..., 2::3] = within_a_turn(change[..., 2::3])
     changed = length_of(np.diff(q - track.q, axis=1), size)
-    beside = changed <= BESIDE * length_of(np.diff(track.q, axis=0), track.equations.size) + ROUGHLY * size
-    known = np.repeat(length_of(off, size) <= ROUGHLY * size, len(track.q), axis=1)
-    known[:, at + 1 :] &= np.logical_and.accumulate(beside[:, at:], axis=1)
-    known[:, :at] &= np.logical_and.accumulate(beside[:, :at][:, ::-1], axis=1)[:, ::-1]
+    near = changed <= MAX_CHANGE * length_of(np.diff(track.q, axis=0), track.equations.size) + ROUGHLY * size
+    known = np.repeat(length_of(change, size) <= ROUGHLY * size, len(track.q), axis=1)
+    known[:, row + 1 :] &= np.logical_and.accumulate(near[:, row:], axis=1)
+    known[:, :row] &= np.logical_and.accumulate(near[:, :row][:, ::-1], axis=1)[:, ::-1]
     if track.position[-1] - track.position[0] > track.turn - track.step and comes_back(track.q):
         known &= (comes_back(q) & known.all(axis=1))[:, np.newaxis]
     return np.where(known[..., np.newaxis], q, np.nan)

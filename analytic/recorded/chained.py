@@ -62,7 +62,9 @@ class ChainedPass(Pass):
     ) -> None:
         """Take positions, and with more of them rates and accelerations, x and y of pin after pin."""
         super().__init__(scene, linkage, driven, rates=len(pins) > 1)
-        values: Any = [[Traced(make, *xy) for xy in zip(of[::2], of[1::2], strict=True)] for of in pins]
+        values: Any = [
+            [Traced(make, *xy) for xy in zip(coordinates[::2], coordinates[1::2], strict=True)] for coordinates in pins
+        ]
         self.pins = dict(zip((dyad.P for dyad in two_bars(linkage)), zip(*values, strict=True), strict=True))
         self.open: list[Expression] = []  # the left sides of (1) less the right ones
 
@@ -75,9 +77,9 @@ class ChainedPass(Pass):
         r2: Number,
     ) -> tuple[Vectors, Vectors, Samples]:
         """Return the arms to a known pin, which is on the dyad's branch where p x q has its sign."""
-        k, (one, two) = self.k, [leg for leg in dyad.legs if isinstance(leg, Pinned)]
-        at = k.z[dyad.P] = self.pins[dyad.P][0]
-        p, q = at - k.z[one.A], at - k.z[two.A]
+        k, (first, second) = self.k, [leg for leg in dyad.legs if isinstance(leg, Pinned)]
+        place = k.z[dyad.P] = self.pins[dyad.P][0]
+        p, q = place - k.z[first.A], place - k.z[second.A]
         area = cross(p, q)
         self.open += [(dot(arm, arm) - r * r).x for arm, r in ((p, r1), (q, r2))]
         k.reach[f"{dyad.P} (on its branch)"] = area * dyad.branch

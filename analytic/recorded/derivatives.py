@@ -1,4 +1,9 @@
-"""Exact derivatives of every channel by numbers of the scene: forward differentiation of the recorded formulas."""
+"""Exact derivatives of every channel by numbers of the scene: forward differentiation of the recorded formulas.
+
+The formulas are recorded with these numbers open, differentiated once by each, and run as one line at all positions.
+Positions of the drive stay as they are; instants that follow from them change with the drive's start and speed. Where
+a position is not reached the core's `Failure` says so; where friction takes more than a line, derivatives are NaN.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet

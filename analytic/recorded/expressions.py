@@ -44,7 +44,7 @@ class Expression:
     @property
     def operands(self) -> list["Expression"]:
         """The operands that are expressions."""
-        return [one for one in self.of if isinstance(one, Expression)]
+        return [operand for operand in self.of if isinstance(operand, Expression)]
 
 
 class Recorder:
@@ -55,14 +55,14 @@ class Recorder:
         self.proven = proven  # whether it is for an arithmetic of bounds, which alone has `within` and choices
         self.choices: dict[str, Expression] = {}  # by input: a whole number, bounds being found for one at a time
 
-    def closed(self, closing: "Closing", of: Sequence[Expression]) -> Expression:
+    def closed(self, closing: "Closing", arguments: Sequence[Expression]) -> Expression:
         """The coordinates at which a larger group closes, found by Newton's method, NaN where it does not.
 
         Operands, in this order: the initial guess, the allowed distance from it, the sign of the Jacobian's determinant
         there, the size of the group; then the inputs of the equations. Where there is a closed form, its
         inputs come first instead.
         """
-        return self._make("closed", (closing, *of), sampled=True)
+        return self._make("closed", (closing, *arguments), sampled=True)
 
     def input(self, name: str, *, sampled: bool) -> Expression:
         """Return an input: of each position, or a number."""
@@ -70,7 +70,7 @@ class Recorder:
 
     def system(self, A: Iterable[Expression], b: Sequence[Expression]) -> Expression:
         """Return the linear equations A x = b, the m^2 entries of A row by row; zero where all of b is."""
-        if all(one.operation == "constant" and one.of[0] == 0 for one in b):
+        if all(entry.operation == "constant" and entry.of[0] == 0 for entry in b):
             return self.constant(0.0)
         return self._make("system", (*A, *b), sampled=True)
 
@@ -90,36 +90,36 @@ class Recorder:
         """Return a number."""
         return self._make("constant", (float(value),), sampled=False)
 
-    def __call__(self, operation: str, *of: Expression) -> Expression:
+    def __call__(self, operation: str, *operands: Expression) -> Expression:
         """Return an operation on expressions, in its simplest form."""
-        known = [expression.of[0] if expression.operation == "constant" else None for expression in of]
+        known = [expression.of[0] if expression.operation == "constant" else None for expression in operands]
         if None not in known and operation not in BOUNDS:
             return self.constant(getattr(np, operation)(*known))
         match operation, known:
             case ("add", [0.0, _]) | ("multiply", [1.0, _]):
-                return of[1]
+                return operands[1]
             case "minimum", [float(least), _] if least == inf:
-                return of[1]
+                return operands[1]
             case (("add" | "subtract"), [_, 0.0]) | (("multiply" | "divide"), [_, 1.0]):
-                return of[0]
+                return operands[0]
             case ("multiply", [0.0, _] | [_, 0.0]) | ("divide", [0.0, _]):
                 return self.constant(0.0)
             case ("subtract", [0.0, _]) | ("multiply", [-1.0, _]):
-                return self("negative", of[1])
+                return self("negative", operands[1])
             case (("multiply" | "divide"), [_, -1.0]):
-                return self("negative", of[0])
-            case "where", _ if of[1] is of[2]:
-                return of[1]
+                return self("negative", operands[0])
+            case "where", _ if operands[1] is operands[2]:
+                return operands[1]
             case "where", [float(condition), *_]:
-                return of[1] if condition else of[2]
-            case _ if any(one.operation == "negative" for one in of):
-                return self._signed(operation, *of)
-        return self._ordered(operation, of)
+                return operands[1] if condition else operands[2]
+            case _ if any(operand.operation == "negative" for operand in operands):
+                return self._signed(operation, *operands)
+        return self._ordered(operation, operands)
 
-    def _signed(self, operation: str, *of: Expression) -> Expression:
+    def _signed(self, operation: str, *operands: Expression) -> Expression:
         """Return an operation of which some are negative: signs go outwards, where sums take them in."""
-        signs = [one.operation == "negative" for one in of]
-        bare = [one.of[0] if sign else one for one, sign in zip(of, signs, strict=True)]
+        signs = [operand.operation == "negative" for operand in operands]
+        bare = [operand.of[0] if sign else operand for operand, sign in zip(operands, signs, strict=True)]
         if operation in ("negative", "absolute"):
             return bare[0] if operation == "negative" else self("absolute", *bare)
         if operation in ("multiply", "divide"):
@@ -130,17 +130,20 @@ class Recorder:
             if signs[0] != less:
                 return self("subtract", *(bare if less else bare[::-1]))
             return self("negative", self("add", *bare)) if less else self("add", *bare)
-        return self._ordered(operation, of)
+        return self._ordered(operation, operands)
 
-    def _ordered(self, operation: str, of: tuple[Expression, ...]) -> Expression:
-        if operation in ("add", "multiply") and of[0].order > of[1].order:
-            of = of[1], of[0]
-        return self._make(operation, of, sampled=any(one.sampled for one in of))
+    def _ordered(self, operation: str, operands: tuple[Expression, ...]) -> Expression:
+        if operation in ("add", "multiply") and operands[0].order > operands[1].order:
+            operands = operands[1], operands[0]
+        return self._make(operation, operands, sampled=any(operand.sampled for operand in operands))
 
-    def _make(self, operation: str, of: tuple[Any, ...], *, sampled: bool) -> Expression:
-        key = (operation, *(one.order if isinstance(one, Expression) else (one, str(one)) for one in of))
+    def _make(self, operation: str, operands: tuple[Any, ...], *, sampled: bool) -> Expression:
+        key = (
+            operation,
+            *(operand.order if isinstance(operand, Expression) else (operand, str(operand)) for operand in operands),
+        )
         if key not in self.made:
-            self.made[key] = Expression(len(self.made), operation, of, sampled)
+            self.made[key] = Expression(len(self.made), operation, operands, sampled)
         return self.made[key]
 
 
@@ -157,19 +160,23 @@ class Closing:
     @cached_property
     def begun(self) -> list[Expression]:
         """The inputs that the closed form is of."""
-        return [one for one in needed(self.start) if one.operation == "input"]
+        return [expression for expression in needed(self.start) if expression.operation == "input"]
 
     @cached_property
     def outer(self) -> list[Expression]:
         """What the rows are of that the coordinates are not in."""
-        inner: set[int] = {one.order for one in self.coordinates}
+        inner: set[int] = {coordinate.order for coordinate in self.coordinates}
         outer: dict[int, Expression] = {}
-        for one in needed([*self.C, *self.J]):
-            if not inner.isdisjoint(of.order for of in one.operands):
-                inner.add(one.order)
-                outer |= {of.order: of for of in one.operands}
-        rows = {one.order: one for one in (*self.C, *self.J)}
-        return [one for order, one in {**outer, **rows}.items() if order not in inner and one.operation != "constant"]
+        for expression in needed([*self.C, *self.J]):
+            if not inner.isdisjoint(operand.order for operand in expression.operands):
+                inner.add(expression.order)
+                outer |= {operand.order: operand for operand in expression.operands}
+        rows = {expression.order: expression for expression in (*self.C, *self.J)}
+        return [
+            expression
+            for order, expression in {**outer, **rows}.items()
+            if order not in inner and expression.operation != "constant"
+        ]
 
 
 def needed(expressions: Iterable[Expression], known: Container[int] = ()) -> list[Expression]:
@@ -184,76 +191,87 @@ def needed(expressions: Iterable[Expression], known: Container[int] = ()) -> lis
     return [order[place] for place in sorted(order)]
 
 
-def forward(make: Recorder, of: Sequence[Expression], given: Mapping[Expression, Expression]) -> list[Expression]:
+# Forward differentiation (Griewank and Walther, Evaluating Derivatives, 2008): in the order in which expressions were
+# made, the change of each follows from its operands' by the operation's rule, or where a group closes by the implicit
+# function theorem. What does not depend on the given ones is passed over. The result is a graph again, exact but for
+# roundings; where a Jacobian is singular the line that is made of it has no finite value.
+def forward(
+    make: Recorder, expressions: Sequence[Expression], given: Mapping[Expression, Expression]
+) -> list[Expression]:
     """Return the changes of expressions while some that they are made of change as given."""
     zero = make.constant(0.0)
     d = {expression.order: change for expression, change in given.items()}
-    for expression in needed(of, d):
-        if expression.order not in d and any(one.order in d for one in expression.operands):
+    for expression in needed(expressions, d):
+        if expression.order not in d and any(operand.order in d for operand in expression.operands):
             if expression.operation == "closed":
                 change = _closed(make, expression, d)
             else:
-                change = _rule(make, expression, [d.get(one.order, zero) for one in expression.operands])
+                change = _rule(make, expression, [d.get(operand.order, zero) for operand in expression.operands])
             if change is not zero:
                 d[expression.order] = change
-    return [d.get(expression.order, zero) for expression in of]
+    return [d.get(expression.order, zero) for expression in expressions]
 
 
-def jacobian(make: Recorder, rows: Sequence[Expression], of: Sequence[Expression]) -> list[Expression]:
+def jacobian(make: Recorder, rows: Sequence[Expression], variables: Sequence[Expression]) -> list[Expression]:
     """Return the derivatives of expressions by some of what they are made of, row by row; most of them are zero."""
-    zero, known = make.constant(0.0), {one.order: {column: make.constant(1.0)} for column, one in enumerate(of)}
+    zero, known = (
+        make.constant(0.0),
+        {variable.order: {column: make.constant(1.0)} for column, variable in enumerate(variables)},
+    )
     d = dict(known)
     for expression in needed(rows, known):
-        by = [d.get(one.order, {}) for one in expression.operands]
-        if expression.order not in d and any(by):
-            changes = ((x, _rule(make, expression, [one.get(x, zero) for one in by])) for x in {*chain(*by)})
+        rates = [d.get(operand.order, {}) for operand in expression.operands]
+        if expression.order not in d and any(rates):
+            changes = ((x, _rule(make, expression, [rate.get(x, zero) for rate in rates])) for x in {*chain(*rates)})
             d[expression.order] = {x: change for x, change in changes if change is not zero}
-    return [d.get(row.order, {}).get(column, zero) for row in rows for column in range(len(of))]
+    return [d.get(row.order, {}).get(column, zero) for row in rows for column in range(len(variables))]
 
 
 def _closed(make: Recorder, closed: Expression, d: Mapping[int, Expression]) -> Expression:
     """What coordinates change by at which C = 0 stays so: J dq = -dC, by the implicit function theorem."""
     C, J = closed.of[0].at_zero
-    given = {one: d[one.order] for one in needed(C) if one.order in d} | {closed: make.constant(0.0)}
+    given = {expression: d[expression.order] for expression in needed(C) if expression.order in d} | {
+        closed: make.constant(0.0)
+    }
     return make.system(J, [make("negative", change) for change in forward(make, C, given)])
 
 
 def _rule(make: Recorder, y: Expression, d: Sequence[Expression]) -> Expression:
     """Return the derivative of an operation, given those of what it is of."""
-    of = y.of
+    operands = y.of
     match y.operation:
         case "system":
             return _system(make, y, d)
         case "component":
-            return make.component(d[0], int(of[1].of[0])) if d[0].operation == "system" else make.constant(0.0)
+            return make.component(d[0], int(operands[1].of[0])) if d[0].operation == "system" else make.constant(0.0)
         case "add" | "subtract" | "negative":
             return make(y.operation, *d)
         case "multiply":
-            return make("add", make("multiply", d[0], of[1]), make("multiply", of[0], d[1]))
+            return make("add", make("multiply", d[0], operands[1]), make("multiply", operands[0], d[1]))
         case "divide":
-            over = make("divide", make.constant(1.0), of[1])
-            return make("multiply", make("subtract", d[0], make("multiply", y, d[1])), over)
+            reciprocal = make("divide", make.constant(1.0), operands[1])
+            return make("multiply", make("subtract", d[0], make("multiply", y, d[1])), reciprocal)
         case "sqrt":
             return make("multiply", d[0], make("divide", make.constant(0.5), y))
         case "tanh":
             square = make("multiply", y, y)
             return make("multiply", make("subtract", make.constant(1.0), square), d[0])
         case "sin":
-            return make("multiply", make("cos", of[0]), d[0])
+            return make("multiply", make("cos", operands[0]), d[0])
         case "cos":
-            return make("negative", make("multiply", make("sin", of[0]), d[0]))
+            return make("negative", make("multiply", make("sin", operands[0]), d[0]))
         case "arctan2":
-            square = make("add", make("multiply", of[0], of[0]), make("multiply", of[1], of[1]))
-            turn = make("subtract", make("multiply", of[1], d[0]), make("multiply", of[0], d[1]))
+            square = make("add", make("multiply", operands[0], operands[0]), make("multiply", operands[1], operands[1]))
+            turn = make("subtract", make("multiply", operands[1], d[0]), make("multiply", operands[0], d[1]))
             return make("multiply", turn, make("divide", make.constant(1.0), square))
         case "absolute":
-            return make("where", make("less", of[0], make.constant(0.0)), make("negative", d[0]), d[0])
+            return make("where", make("less", operands[0], make.constant(0.0)), make("negative", d[0]), d[0])
         case "minimum":
-            return make("where", make("less_equal", *of), *d)
+            return make("where", make("less_equal", *operands), *d)
         case "maximum":
-            return make("where", make("less_equal", *of), d[1], d[0])
+            return make("where", make("less_equal", *operands), d[1], d[0])
         case "where":
-            return make("where", of[0], d[1], d[2])
+            return make("where", operands[0], d[1], d[2])
     return make.constant(0.0)  # of a comparison, or of whole turns
 
 
@@ -275,5 +293,5 @@ def walk(
     names = dict(known)
     for made in order:
         if made.order not in names:
-            names[made.order] = write(made, [names[one.order] for one in made.operands])
+            names[made.order] = write(made, [names[operand.order] for operand in made.operands])
     return names

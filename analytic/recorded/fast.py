@@ -1,4 +1,9 @@
-"""One machine in many calls at few positions: by the line of its formulas, in machine code if possible."""
+"""One machine in many calls at few positions: by the line of its formulas, in machine code if possible.
+
+The line is a sequence of NumPy calls, or a loop that numba compiles. Machine code has all numbers of the scene open, so
+that it is one for the topology, and is kept on disk. It is made of few operations alone, since compiling takes longer
+than in proportion to them, and of none where Newton's method closes a group.
+"""
 
 import sys
 from collections.abc import Mapping
@@ -22,10 +27,10 @@ from .expressions import Line
 from .many import Machines, ManySolver, many_solver
 from .program import Program, recorded
 
-LARGEST = 1000  # operations, of which machine code is made in some 4 s; of twice as many in three times that
-MANY = 1_000_000  # samples, of which machine code saves more than it takes to record the formulas anew
-MANY_MORE = 30_000_000  # of which it saves the second or two that numba takes to be imported
-VERY_MANY = 100_000_000  # of which it saves the seconds that machine code takes to make
+MAX_OPERATIONS = 1000  # of which machine code is made in some 4 s; of twice as many in three times that
+MIN_SAMPLES = 1_000_000  # of which machine code saves more than it takes to record the formulas anew
+MIN_SAMPLES_TO_IMPORT = 30_000_000  # numba: it saves the second or two that this takes
+MIN_SAMPLES_TO_COMPILE = 100_000_000  # it saves the seconds that machine code takes to make
 
 
 def fast_solver(
@@ -52,7 +57,7 @@ def fast_solver(
         count = operations(program.rows)
         if compiled and count is None:
             raise Failure(Status.unsupported, "a group that is solved by Newton's method has no machine code")
-        if count is not None and (compiled or count <= LARGEST):
+        if count is not None and (compiled or count <= MAX_OPERATIONS):
             known = {path: number.value for path, number in scene.numbers.items()}
             line = MachineCode(program.rows, {**known, **core.stroke_ends})
             return FastSolver(**vars(core) | {"at_hand": (program, line)})
@@ -70,15 +75,15 @@ def _opened(scene: Scene, channels: frozenset[str] | None) -> Program:
 @lru_cache(maxsize=4)
 def machine_line(scene: Scene, channels: frozenset[str] | None, samples: int) -> tuple[Program, Line] | None:
     """The formulas of many machines in machine code, where it is at hand, or so many samples are worth making it."""
-    if not COMPILES or samples < (MANY if "numba" in sys.modules else MANY_MORE):
+    if not COMPILES or samples < (MIN_SAMPLES if "numba" in sys.modules else MIN_SAMPLES_TO_IMPORT):
         return None
     program = _opened(scene, channels)
     count = operations(program.rows)
-    if count is None or count > LARGEST:
+    if count is None or count > MAX_OPERATIONS:
         return None
     known = {path: number.value for path, number in scene.numbers.items()}
     line = MachineCode(program.rows, known | dict.fromkeys(program.strokes, nan))  # whose ends each machine has
-    return (program, line) if line.at_hand or samples >= VERY_MANY else None
+    return (program, line) if line.at_hand or samples >= MIN_SAMPLES_TO_COMPILE else None
 
 
 class FastSolver(Solver):

@@ -1,4 +1,9 @@
-"""Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,)."""
+"""Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,).
+
+The formulas are recorded once, with the numbers open in which machines differ, and evaluated for all machines at once.
+Left to the core, one machine at a time, are channels that no line has (`Program.own`), and machines with a position
+that the line does not reach or a value that is not finite. What stops the core is that machine's status alone.
+"""
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -28,7 +33,7 @@ from .expressions import Line
 from .meetings import Ending, meeting, near_meeting
 from .program import Program, inputs_at, recorded
 
-TOGETHER = 64  # machines whose strokes' ends are sought together
+MAX_TOGETHER = 64  # machines whose strokes' ends are sought together
 
 
 @dataclass(frozen=True)
@@ -137,10 +142,10 @@ class ManySolver:
         for name, given in (("position", position), ("time", position if time is None else time)):
             if given.shape not in (shape[1:], shape):
                 raise InputError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
-        several, own = self.between(position), self.program.own
+        several, by_core = self.between(position), self.program.own
         failed = dict(several.failed)
-        late = own if self.program.request.channels is None else frozenset[str]()
-        samples = several.block(slice(0, self.count), position, time, failed, own - late)
+        late = by_core if self.program.request.channels is None else frozenset[str]()
+        samples = several.block(slice(0, self.count), position, time, failed, by_core - late)
         every = samples | {channel: partial(several._late, channel, position, time) for channel in late}
         found = Later({channel: every[channel] for channel in self.program.names}) if late else samples
         return Machines(found, *told(failed, self.count))
@@ -151,7 +156,7 @@ class ManySolver:
 
     def between(self, position: Samples) -> "ManySolver":
         """The same for positions, (n,) or (m, n), with machines failed whose assemblies meet among or before them."""
-        found = meeting([one for one in self.near if one not in self.failed], self._followed, position)
+        found = meeting([machine for machine in self.near if machine not in self.failed], self._followed, position)
         return replace(self, failed={**self.failed, **found}) if found else self
 
     @cached_property
@@ -173,7 +178,7 @@ class ManySolver:
         Their positions and instants have the shape (n,) or (rows, n). Of those that are left to the core some may be
         asked for; None for all.
         """
-        own = self.program.own if left is None else left
+        by_core = self.program.own if left is None else left
         numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
         shape = (rows.stop - rows.start, position.shape[-1])
         drive = {path: values for path, values in numbers.items() if path in ("drive.speed", "drive.start")}
@@ -188,15 +193,15 @@ class ManySolver:
         stopped[[machine - rows.start for machine in self.failed if rows.start <= machine < rows.stop]] = True
         if stopped.any():
             filled[:, stopped] = np.nan
-        channels = {name: np.full(shape, np.nan) for name in own}
+        channels = {name: np.full(shape, np.nan) for name in by_core}
         channels |= zip(self.program.channels, filled, strict=False)
         fine = ~stopped.any(axis=1) & np.isfinite(filled.sum(axis=(0, 2)))
-        for row in range(shape[0]) if own else np.flatnonzero(~fine).tolist():
+        for row in range(shape[0]) if by_core else np.flatnonzero(~fine).tolist():
             if (machine := rows.start + row) not in self.failed:
-                at = position[row] if position.ndim == 2 else position
+                places = position[row] if position.ndim == 2 else position
                 when = time[row] if time is not None and time.ndim == 2 else time
-                unknown = {name: channels[name][row] for name in (own if fine[row] else channels)}
-                if ending := self._alone(machine, at, when, unknown, followed=bool(fine[row])):
+                unknown = {name: channels[name][row] for name in (by_core if fine[row] else channels)}
+                if ending := self._alone(machine, places, when, unknown, followed=bool(fine[row])):
                     failed.setdefault(machine, ending)
         given = {"time": instants, self.scene.drive_channel: position}
         channels |= {name: np.broadcast_to(values, shape) for name, values in given.items()}
@@ -233,10 +238,10 @@ class ManySolver:
 
     def _core(self, machine: int, *, followed: bool) -> Solver:
         """The core's solver of one machine, which is kept."""
-        one = self.scene.with_numbers({path: float(values[machine, 0]) for path, values in self.numbers.items()})
-        whole, tracks = decompose(one), self.tracks[machine] if self.tracks is not None and followed else {}
-        own = {g: replace(track, equations=equations_of(one, whole.bodies, g)) for g, track in tracks.items()}
-        self.cores[machine] = prepared(one, replace(whole, tracks=own), self.program.request.channels)
+        variant = self.scene.with_numbers({path: float(values[machine, 0]) for path, values in self.numbers.items()})
+        whole, tracks = decompose(variant), self.tracks[machine] if self.tracks is not None and followed else {}
+        tracked = {g: replace(track, equations=equations_of(variant, whole.bodies, g)) for g, track in tracks.items()}
+        self.cores[machine] = prepared(variant, replace(whole, tracks=tracked), self.program.request.channels)
         return self.cores[machine]
 
 
@@ -250,7 +255,7 @@ def _stroke_ends(many: Scene, program: Program, tracks: Sequence[Mapping[Group, 
     """Where each machine's closing strokes end, m, shape (m, 1), by the load's place; none where no force is wanted."""
     # of all, as the line may be of numbers that do not differ too
     numbers = {path: np.broadcast_to(number.value, (len(tracks), 1)) for path, number in many.numbers.items()}
-    parts = [slice(first, first + TOGETHER) for first in range(0, max(len(tracks), 1), TOGETHER)]
+    parts = [slice(first, first + MAX_TOGETHER) for first in range(0, max(len(tracks), 1), MAX_TOGETHER)]
 
     def displaced(line: Line, rows: slice, way: Samples) -> Samples:
         machine = {path: values[rows] for path, values in numbers.items()}
@@ -258,8 +263,10 @@ def _stroke_ends(many: Scene, program: Program, tracks: Sequence[Mapping[Group, 
 
     ends: dict[str, Samples] = {}
     for place, moved in program.strokes.items():
-        each = [np.broadcast_to(one, (len(tracks), 1)) for one in (many.presses[place].closing, *many.drive.law.extent)]
+        each = [
+            np.broadcast_to(bound, (len(tracks), 1)) for bound in (many.presses[place].closing, *many.drive.law.extent)
+        ]
         move = partial(displaced, StraightLine(moved))
-        of_parts = [furthest(partial(move, rows), *(one[rows] for one in each)) for rows in parts]
+        of_parts = [furthest(partial(move, rows), *(values[rows] for values in each)) for rows in parts]
         ends[place] = np.concatenate(of_parts)[:, np.newaxis]
     return ends

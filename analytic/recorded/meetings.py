@@ -22,8 +22,8 @@ from .program import Program, inputs_at
 Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
 
 COARSE = 45  # samples of a turn, or of a way
-TOGETHER = 256  # machines
-HAIR = 1e-6  # of the larger sample beside: what a place leaves where it is a sample
+MAX_TOGETHER = 256  # machines
+ZERO_TOL = 1e-6  # of the larger sample beside: what a place leaves where it is a sample
 
 
 def meeting(near: Iterable[int], core: Callable[[int], Solver], position: Samples) -> dict[int, Ending]:
@@ -53,12 +53,12 @@ def near_meeting(
     known = {path: number.value for path, number in scene.numbers.items()}  # the line may be of numbers all alike too
     step, near = (last - first) / COARSE, list[int]()
     driven = Driven(np.linspace(first - step, last + step, COARSE + 3), np.ones(()), np.zeros(()))
-    for begin in range(0, len(tracks), TOGETHER):
-        rows = slice(begin, begin + TOGETHER)
+    for begin in range(0, len(tracks), MAX_TOGETHER):
+        rows = slice(begin, begin + MAX_TOGETHER)
         of_some = known | {path: values[rows] for path, values in numbers.items()}
         reach = np.asarray(line({**of_some, **inputs_at(driven, tracks[rows])}))  # shape (dyads, m, n)
         before, here, after = reach[..., :-2], reach[..., 1:-1], reach[..., 2:]
         larger = np.maximum(before, after)
-        lowest = (here >= -HAIR * larger) & (here <= before) & (here <= after) & (2 * here <= larger)
+        lowest = (here >= -ZERO_TOL * larger) & (here <= before) & (here <= after) & (2 * here <= larger)
         near += (begin + np.flatnonzero(lowest.any(axis=(0, 2)))).tolist()
     return near

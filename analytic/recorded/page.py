@@ -73,7 +73,7 @@ def page_program(
         "channels": [*program.channels],
         "line": line["text"],
         "given": {name: np.broadcast_to(given[name], instants.shape) for name in line["given"]},
-        "strokes": {place: script([*of, sense[place]]) for place, of in program.strokes.items()},
+        "strokes": {place: script([*moved, sense[place]]) for place, moved in program.strokes.items()},
         "loads": {
             "places": [*program.loads],
             **script([part for load in program.loads.values() for part in (load.x, load.y)]),
@@ -95,4 +95,4 @@ def script(expressions: Sequence[Expression]) -> Mapping[str, Any]:
     loop = Loop(expressions, JAVASCRIPT)
     rows = (f"row[{row}][i] = {value};" for row, value in enumerate(loop.values))
     text = FUNCTION.format(of_number="\n".join(loop.of_number), of_position="\n".join([*loop.of_position, *rows]))
-    return {"text": text, "numbers": loop.numbers, "given": [one.of[0] for one in loop.given]}
+    return {"text": text, "numbers": loop.numbers, "given": [entry.of[0] for entry in loop.given]}

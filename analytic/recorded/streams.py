@@ -65,10 +65,10 @@ class Extremes:
 
     def take(self, rows: slice, position: Samples, samples: Samples) -> None:
         """Take a block, in which what is not a number is passed over."""
-        at = np.broadcast_to(position, samples.shape)
+        positions = np.broadcast_to(position, samples.shape)
         for sign, best, where in ((-1, self.least, self.least_at), (1, self.largest, self.largest_at)):
             column = np.where(np.isnan(samples), -np.inf, sign * samples).argmax(axis=1)[:, None]
-            extreme, place = (np.take_along_axis(of, column, 1)[:, 0] for of in (samples, at))
+            extreme, place = (np.take_along_axis(values, column, 1)[:, 0] for values in (samples, positions))
             better = sign * extreme > sign * best[rows]
             best[rows], where[rows] = np.where(better, (extreme, place), (best[rows], where[rows]))
 
@@ -83,12 +83,12 @@ class Integral:
 
     def take(self, rows: slice, position: Samples, samples: Samples) -> None:
         """Take a block, and the step to it from the block before."""
-        at = np.broadcast_to(position, samples.shape)
+        positions = np.broadcast_to(position, samples.shape)
         if self._last is not None and self._last[0] == rows:
-            at = np.concatenate([self._last[1], at], axis=1)
+            positions = np.concatenate([self._last[1], positions], axis=1)
             samples = np.concatenate([self._last[2], samples], axis=1)
-        self.total[rows] += (np.diff(at) * (samples[:, 1:] + samples[:, :-1]) / 2).sum(axis=1)
-        self._last = rows, at[:, -1:], samples[:, -1:]
+        self.total[rows] += (np.diff(positions) * (samples[:, 1:] + samples[:, :-1]) / 2).sum(axis=1)
+        self._last = rows, positions[:, -1:], samples[:, -1:]
 
 
 class Histogram:
@@ -136,16 +136,16 @@ def reduce_many(
     machines = max((np.size(values) for values in changes.values()), default=1) if isinstance(changes, Mapping) else 1
     many = many_solver(scene, changes, channels, machine_line(scene_of(scene), channels, machines * n))
     for reduction in reductions:
-        kept = next((len(of) for of in vars(reduction).values() if isinstance(of, np.ndarray)), many.count)
+        kept = next((len(values) for values in vars(reduction).values() if isinstance(values, np.ndarray)), many.count)
         if isinstance(reduction, Extremes | Integral) and kept != many.count:
             refuse("reductions", f"{type(reduction).__name__}({reduction.channel!r}, {many.count})", kept)
     many = many.between(np.array([positions.first, positions.last]) if isinstance(positions, Grid) else positions)
     failed, done = dict(many.failed), 0
     for rows, columns in blocks(many.count, n, 2 * BLOCK):
-        at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
-        samples = many.block(rows, at, None, failed)
+        places = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
+        samples = many.block(rows, places, None, failed)
         for reduction in reductions:
-            reduction.take(rows, at, samples[reduction.channel])
+            reduction.take(rows, places, samples[reduction.channel])
         done += (rows.stop - rows.start) * (columns.stop - columns.start)
         if progress is not None:
             progress(done, many.count * n)

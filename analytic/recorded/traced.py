@@ -62,22 +62,24 @@ class Traced(NDArrayOperatorsMixin):
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any) -> Any:
         """Take a place among the samples of a NumPy function."""
         assert method == "__call__"
-        return FUNCTIONS[ufunc.__name__](*(traced(self.make, one) for one in inputs))
+        return FUNCTIONS[ufunc.__name__](*(traced(self.make, argument) for argument in inputs))
 
     def __array_function__(self, function: Any, types: Iterable[type], args: Any, kwargs: Any) -> Any:
         """Take a place among the samples of a NumPy function that is none of its universal ones."""
         return FUNCTIONS[function.__name__](self.make, *args)
 
 
-def _real(name: str, *of: Traced) -> Traced:
+def _real(name: str, *arguments: Traced) -> Traced:
     """A function of real numbers."""
-    return Traced(of[0].make, of[0].make(name, *(one.x for one in of)))
+    return Traced(arguments[0].make, arguments[0].make(name, *(argument.x for argument in arguments)))
 
 
-def _each(name: str, *of: Traced) -> Traced:
+def _each(name: str, *arguments: Traced) -> Traced:
     """A function of either part by itself."""
-    make = of[0].make
-    return Traced(make, make(name, *(one.x for one in of)), make(name, *(one.y for one in of)))
+    make = arguments[0].make
+    return Traced(
+        make, make(name, *(argument.x for argument in arguments)), make(name, *(argument.y for argument in arguments))
+    )
 
 
 def _product(a: Traced, b: Traced) -> Traced:
@@ -96,11 +98,11 @@ def _size(a: Any) -> Traced:
     return _real("absolute", a) if a.is_real else _real("sqrt", a.real * a.real + a.imag * a.imag)
 
 
-def _exponential(of: Traced) -> Traced:
+def _exponential(exponent: Traced) -> Traced:
     """That of an imaginary number, exp(i angle)."""
-    assert of.x.operation == "constant"
-    assert of.x.of[0] == 0
-    return Traced(of.make, of.make("cos", of.y), of.make("sin", of.y))
+    assert exponent.x.operation == "constant"
+    assert exponent.x.of[0] == 0
+    return Traced(exponent.make, exponent.make("cos", exponent.y), exponent.make("sin", exponent.y))
 
 
 def _square(a: Traced, exponent: Traced) -> Traced:
@@ -109,7 +111,7 @@ def _square(a: Traced, exponent: Traced) -> Traced:
 
 
 def _where(make: Recorder, condition: Any, yes: Any, no: Any) -> Traced:
-    c, a, b = (traced(make, one) for one in (condition, yes, no))
+    c, a, b = (traced(make, value) for value in (condition, yes, no))
     return Traced(make, make("where", c.x, a.x, b.x), make("where", c.x, a.y, b.y))
 
 

@@ -29,7 +29,7 @@ def check_way(solver: Solver) -> None:
     end = min((int(after[rows].min()) for rows in short.values() if rows.any()), default=SAMPLES + 1)
     found, last = [], end
     candidates = [(int(after[i]), i, group) for group, i in lowest(linkage.groups, k, way, short)]
-    for step, i, group in sorted(candidates, key=lambda one: one[0]):
+    for step, i, group in sorted(candidates, key=lambda candidate: candidate[0]):
         if step > last:
             break
         if place := look_closer(scene, linkage, linkage.groups, group, way[max(i - 1, 0) : i + 2]):

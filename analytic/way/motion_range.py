@@ -53,13 +53,13 @@ def zeros(f: Callable[[Samples], Samples], low: Samples, high: Samples) -> Sampl
 
 
 def _bisected(
-    holds: Callable[[Samples], NDArray[np.bool_]], without: Samples, within: Samples
+    holds: Callable[[Samples], NDArray[np.bool_]], outside: Samples, inside: Samples
 ) -> tuple[Samples, Samples]:
     for _ in range(BISECTIONS):
-        middle = (without + within) / 2
+        middle = (outside + inside) / 2
         held = holds(middle)
-        without, within = np.where(held, without, middle), np.where(held, middle, within)
-    return without, within
+        outside, inside = np.where(held, outside, middle), np.where(held, middle, inside)
+    return outside, inside
 
 
 def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
@@ -70,19 +70,19 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
     """
     turn, start = 2 * pi if scene.drive.slide is None else inf, scene.drive.law.start
     least, most = scene.drive.law.extent if turn == inf else (start, start + turn)
-    holds, about = (partial(_reached, scene, linkage, rounded=off) for off in (0.0, ROUNDED))
-    without, within = changes(holds, least, most, about)
-    if not len(within):
+    holds, nearly = (partial(_reached, scene, linkage, rounded=error) for error in (0.0, ROUNDED))
+    outside, inside = changes(holds, least, most, nearly)
+    if not len(inside):
         return []
-    ends = [(float(x), str(joint)) for x, joint in zip(within, unreached(scene, linkage, without), strict=True)]
-    if within[0] < without[0]:  # the way begins within an interval, which begins a turn before its last edge
+    ends = [(float(x), str(joint)) for x, joint in zip(inside, unreached(scene, linkage, outside), strict=True)]
+    if inside[0] < outside[0]:  # the way begins within an interval, which begins a turn before its last edge
         ends = [(ends[-1][0] - turn, ends[-1][1]), *ends[:-1]] if turn < inf else [(least, ""), *ends]
     if len(ends) % 2:
         ends.append((most, ""))
     intervals = []
     for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True):
-        off = 0.0 if turn == inf or a <= start <= b else turn * (ceil(b / turn) - 1)
-        intervals.append(((a - off, at_a), (b - off, at_b)))
+        offset = 0.0 if turn == inf or a <= start <= b else turn * (ceil(b / turn) - 1)
+        intervals.append(((a - offset, at_a), (b - offset, at_b)))
     return sorted(intervals)
 
 
@@ -138,11 +138,15 @@ def in_line(group: Dyad | Group) -> str:
     """Name what is in line, square or parallel where a group is singular."""
     if isinstance(group, Group):
         return f"{', '.join(group.bodies)} in a singular configuration"
-    one, two = (leg.body for leg in group.legs)
+    first, second = (leg.body for leg in group.legs)
     if guides_cross(group):
         guides = [leg for leg in group.legs if isinstance(leg, Guided)]
         guides += [group.guide] if isinstance(group, InnerSlide) else []
         return f"the guides of {' and '.join(guide.slider for guide in guides)} parallel"
     if isinstance(group, InnerSlide):
-        return f"the pins of {one} and {two} square to the guide of {group.guide.slider}"
-    return f"{one} and {two} in line at {group.P}" if kind(group) == "RRR" else f"{one} square to the guide of {two}"
+        return f"the pins of {first} and {second} square to the guide of {group.guide.slider}"
+    return (
+        f"{first} and {second} in line at {group.P}"
+        if kind(group) == "RRR"
+        else f"{first} square to the guide of {second}"
+    )

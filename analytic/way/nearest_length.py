@@ -20,10 +20,10 @@ from scenes.model.motion import Samples
 from ..core.groups.group_equations import FramePoses, GroupEquations, coordinates, in_plane
 from ..core.groups.newton_group import columns, length_of, own_jacobian, solved
 
-LONGEST = 0.5  # of the group's size: a step along a curve
-ASTRAY = 0.05  # of the group's size: so far off the curve a step was too long
-ROUNDS = 60  # of steps along one curve
-CLOSE = 1e-5  # of the group's size: the last step to an extreme, which leaves l off by about its third power
+MAX_STEP = 0.5  # of the group's size, along a curve
+MAX_ASTRAY = 0.05  # of the group's size: so far off the curve a step was too long
+MAX_ROUNDS = 60  # of steps along one curve
+LAST_STEP_TOL = 1e-5  # of the group's size: the last step to an extreme, which leaves l off by about its third power
 
 
 def to_lock(equations: GroupEquations, pose: FramePoses) -> Samples:
@@ -56,8 +56,8 @@ def _lengths(equations: GroupEquations) -> Iterator[GroupEquations]:
         if len(joints) == 2 and joints[1] < equations.pins:
             first, last = equations.S[joints, link] * equations.R[joints, link]
             yield longer(joints[1], link, equations.S[joints[1], link] * (last - first) / np.abs(last - first))
-    for guide, on in enumerate(equations.on):
-        yield longer(equations.pins + guide, on, 1j * equations.along[guide])
+    for guide, carrier in enumerate(equations.on):
+        yield longer(equations.pins + guide, carrier, 1j * equations.along[guide])
 
 
 def _extreme(
@@ -65,24 +65,24 @@ def _extreme(
 ) -> Samples:
     """Return how far l comes one way to its first extreme, shape (n,), m, or beyond what is the nearest so far."""
     extreme, going, b = np.zeros(len(nearest)), np.arange(len(nearest)), equations.bodies
-    placed, longest = FramePoses(start.z[:, b:], start.angle[:, b:]), np.full(len(nearest), LONGEST * equations.size)
+    placed, longest = FramePoses(start.z[:, b:], start.angle[:, b:]), np.full(len(nearest), MAX_STEP * equations.size)
     x = _with(coordinates(start.z[:, :b], start.angle[:, :b]), 0)
     tangent = sense * _with(solved(own_jacobian(equations, start), -unit.open(start)), 1)
     path = np.stack([x, tangent, 0 * x], axis=1)  # a place on the curve, the tangent there, and its change
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         back, *ahead = _along(equations, unit, placed, x, path[:, 1])
         astray = length_of(back[:, :-1], equations.size)
-        near = astray <= ASTRAY * equations.size
+        near = astray <= MAX_ASTRAY * equations.size
         path = np.where(near[:, None, None], np.stack([x + back, *ahead], axis=1), path)
-        on, slope, bend = sense * np.moveaxis(path[..., -1], -1, 0)
+        lengths, slope, bend = sense * np.moveaxis(path[..., -1], -1, 0)
         way = np.where(bend < 0, slope / np.where(bend < 0, -bend, 1), np.sign(slope) * np.inf)
-        grown = np.minimum(1.5 * longest, LONGEST * equations.size)
+        grown = np.minimum(1.5 * longest, MAX_STEP * equations.size)
         longest = np.where(near & (way > -longest), grown, longest / 4)
         step = np.clip(way, -longest, longest)
         x = np.einsum("nk,nkj->nj", np.stack([step**0, step, step**2 / 2], axis=1), path)
-        ended = np.maximum(astray, np.abs(way)) <= CLOSE * equations.size
-        extreme[going] = np.where(ended, sense * x[:, -1], on)
-        left = ~ended & (on < nearest[going])
+        ended = np.maximum(astray, np.abs(way)) <= LAST_STEP_TOL * equations.size
+        extreme[going] = np.where(ended, sense * x[:, -1], lengths)
+        left = ~ended & (lengths < nearest[going])
         if not left.any():
             break
         going, x, path, longest, placed = going[left], x[left], path[left], longest[left], _rows(placed, left)
@@ -97,15 +97,15 @@ def _along(
     `x` is q and l, shape (n, m + 1), near the curve, and `before` a tangent nearby.
     """
     pose, longer = equations.pose(x[:, :-1], placed), x[:, -1, None, None]
-    off = replace(equations, R=equations.R + longer * unit.R)
+    varied = replace(equations, R=equations.R + longer * unit.R)
     across = _with(before[:, :-1] * equations.arms**2, 0)
-    beside = np.append(own_jacobian(off, pose), unit.open(pose)[..., None], axis=-1)
-    matrix, C = np.append(beside, across[:, None], axis=1), off.open(pose)
+    bordered = np.append(own_jacobian(varied, pose), unit.open(pose)[..., None], axis=-1)
+    matrix, C = np.append(bordered, across[:, None], axis=1), varied.open(pose)
     back, tangent = np.moveaxis(columns(matrix, np.stack([_with(-C, 0), _with(0 * C, 1)], axis=-1)), -1, 0)
     tangent /= np.linalg.norm(tangent[:, :-1] * equations.arms, axis=-1, keepdims=True)
     dq, dl = tangent[:, :-1], tangent[:, -1:]
     everywhere = np.append(dq, np.zeros((len(x), 3 * placed.z.shape[1])), axis=-1)
-    bend = off.quadratic(pose, *in_plane(everywhere))
+    bend = varied.quadratic(pose, *in_plane(everywhere))
     bend += 2 * dl * np.einsum("nij,nj->ni", own_jacobian(unit, pose), dq)
     return back, tangent, solved(matrix, _with(-bend, 0))
 

@@ -26,7 +26,7 @@ from .motion_range import ROUNDED, extent_of, in_line, motion_at, motion_range
 SAMPLES = 720  # a cycle, to find where a group is nearest to a singular configuration
 POINTS, ROUNDS = 17, 16  # of each look closer: 8 times closer, down to the last place
 MEET = 64 * np.finfo(float).eps  # of the largest coordinate: a distance that is lost in round-off
-PLACE = 1e-12  # of a turn, or of the way: how closely a place is known
+PLACE_TOL = 1e-12  # of a turn, or of the way: how closely a place is known
 
 
 def free_range(scene: Scene, linkage: Linkage) -> tuple[float, float] | None:
@@ -37,7 +37,7 @@ def free_range(scene: Scene, linkage: Linkage) -> tuple[float, float] | None:
     start, turns = scene.sketch.drive, scene.drive.slide is None
     ends = [end for both in motion_range(scene, linkage) for end, _ in both]
     ends += [where for where, _ in change_points(scene, linkage)]
-    ends = [end + off for end in ends for off in ((0, tau, -tau) if turns else (0,))]
+    ends = [end + shift for end in ends for shift in ((0, tau, -tau) if turns else (0,))]
     below, above = max((e for e in ends if e < start), default=-inf), min((e for e in ends if e > start), default=inf)
     return (below, above) if below > -inf and above < inf else None
 
@@ -53,9 +53,9 @@ def change_points(scene: Scene, linkage: Linkage) -> list[tuple[float, str]]:
     k = motion_at(scene, linkage, way)
     lost, found = MEET * extent_of(scene), dict[tuple[float, str], None]()
     for group, i in lowest(linkage.groups, k, way, short_of(scene, linkage, k, way)):
-        beside = way[max(i - 1, 0) : i + 2]
-        if (to_lock([group], motion_at(scene, linkage, beside), beside)[group][[0, -1]] > lost).all() and (
-            place := look_closer(scene, linkage, linkage.groups, group, beside)
+        neighbours = way[max(i - 1, 0) : i + 2]
+        if (to_lock([group], motion_at(scene, linkage, neighbours), neighbours)[group][[0, -1]] > lost).all() and (
+            place := look_closer(scene, linkage, linkage.groups, group, neighbours)
         ):
             found |= dict.fromkeys((place[0], singular.P) for singular in place[1])
     return [*found]
@@ -140,10 +140,10 @@ class Meetings(NamedTuple):
         whole = 2 * pi * round(((least + most) / 2 - sketch) / (2 * pi)) if turns else 0.0  # as near as turns bring it
         if not turns and not self.first <= least <= most <= self.last:
             nearest = _nearest(scene, linkage, min(least, sketch), max(most, sketch))
-        off = PLACE * (self.last - self.first)
+        margin = PLACE_TOL * (self.last - self.first)
         for position, dyad in nearest:
             place = position + whole
-            if min(least, sketch + whole) - off <= place <= max(most, sketch + whole) + off:
+            if min(least, sketch + whole) - margin <= place <= max(most, sketch + whole) + margin:
                 raise singular_at(scene, linkage, place, dyad)
 
 
@@ -179,7 +179,7 @@ def _nearest(scene: Scene, linkage: Linkage, first: float, last: float) -> list[
             candidates = lowest(dyads, k, way, short_of(scene, linkage, k, way))
             for group, i in sorted(candidates, key=lambda candidate: candidate[1]):
                 place = look_closer(scene, linkage, dyads, group, way[max(i - 1, 0) : i + 2])
-                if place and (place[0] - sketch) * step >= -PLACE * abs(step):
+                if place and (place[0] - sketch) * step >= -PLACE_TOL * abs(step):
                     found.append((place[0], place[1][0]))
                     break
     return found

@@ -19,7 +19,7 @@ from ..core.kinematics import followed
 from .motion_range import SAMPLES, changes, describe, motion_at, unreached, zeros
 from .singular import meetings
 
-STILL = 1e-12  # of the longest arm: roundings of a slider that stands still
+STILL_TOL = 1e-12  # of the longest arm: roundings of a slider that stands still
 
 Displaced: TypeAlias = Callable[[Samples], tuple[Samples, Samples, Samples]]  # position of the drive -> s, s', s''
 
@@ -67,7 +67,7 @@ def inverse(
     meetings(scene, linkage).check(scene, linkage, way)
     if (apart := unreached(scene, linkage, way) != "").any():
         raise Failure(Status.cannot_assemble, describe(scene, linkage, float(way[apart][0])))
-    if not np.ptp(displaced(way)[0]) > STILL * linkage.arm:
+    if not np.ptp(displaced(way)[0]) > STILL_TOL * linkage.arm:
         raise InputError(f"{scene.output} stands still wherever the drive is: its motion does not give the drive's")
     if scene.drive.slide is not None or most - least < 2 * pi - 1e-9:
         ends = [least, *dead_points(displaced, least, most), most]

@@ -18,7 +18,7 @@ from .singular import free_range
 
 BESIDE = np.array([1e-9, 1e-6, 1e-4])  # of the way, before the end: the last of the poses that a singular one leaves
 POSES = 361
-SAME = 1e-6  # rad or m: two places of the drive; where bars are in line roundings grow to their root
+SAME_PLACE_TOL = 1e-6  # rad or m: two places of the drive; where bars are in line roundings grow to their root
 
 
 def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | None:
@@ -46,7 +46,7 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
         (end, joint), (begin, _) = min(ends, key=lambda way: abs(remainder(way[0][0] - position, turn)))
     elif position != start:
         end, begin, ways = position, start, [(min(start, position), max(start, position))]
-    elif free and (near := [x for x in free if abs(remainder(x - position, turn)) <= SAME]):
+    elif free and (near := [x for x in free if abs(remainder(x - position, turn)) <= SAME_PLACE_TOL]):
         (end,), ways = near[:1], [free]
         begin = free[free[0] == end]
     else:

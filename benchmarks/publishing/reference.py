@@ -36,8 +36,8 @@ LIMITS = (
     ("numbers that the workshop may deviate from", limits.VARIATIONS),
     ("characters of a name", limits.NAME),
     ("samples times channels of a run", limits.VALUES),
-    ("machines of `--monte-carlo`", arguments.MOST_MACHINES),
-    ("members of a family", grid.MOST_MEMBERS),
+    ("machines of `--monte-carlo`", arguments.MAX_MACHINES),
+    ("members of a family", grid.MAX_MEMBERS),
 )
 
 

@@ -21,8 +21,8 @@ from ..report.output.earlier import Change, Json, Summary, SummaryError
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
 ROUNDING = 1e-12  # relative, over thousands of steps: what the reference itself promises
 ABOVE_FLOOR = 10.0  # times the reference's floor: there the floor is a tenth of the error at most
-LEAST = 1e-8  # relative change of a peak: less is made by its interpolation between the samples
-SHOWN = 3  # changes of a kind that a line names
+MIN_CHANGE = 1e-8  # relative, of a peak: less is made by its interpolation between the samples
+MAX_SHOWN = 3  # changes of a kind that a line names
 EPS = 1e-15  # in SI: what is left of a zero where a unit's conversion rounds
 LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
 BASE = {"m": "length", "kg": "mass", "N": "force", "rad": "angle"}  # what the scene's file names a unit of
@@ -44,8 +44,8 @@ def changes(old: Summary, new: Summary) -> list[Change]:
 
 
 def _few(texts: Sequence[str]) -> str:
-    more = len(texts) - SHOWN
-    return "; ".join(texts[:SHOWN]) + (f"; and {more} more" if more > 0 else "")
+    more = len(texts) - MAX_SHOWN
+    return "; ".join(texts[:MAX_SHOWN]) + (f"; and {more} more" if more > 0 else "")
 
 
 def _differences(old: Json, new: Json, scene: Json | None = None) -> Iterator[tuple[Place, str]]:
@@ -124,7 +124,7 @@ def _peaks(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
     size: dict[tuple[str, str], float] = {}  # the largest of the same place and unit, as the stroke of a dead point
     largest = dict.fromkeys(("m", "N"), 0.0)  # of a unit
     for peak in (*old.peaks, *new.peaks):
-        size[peak.of, peak.unit] = max(size.get((peak.of, peak.unit), LEAST), abs(peak.value))
+        size[peak.of, peak.unit] = max(size.get((peak.of, peak.unit), MIN_CHANGE), abs(peak.value))
         largest[peak.unit] = max(largest.get(peak.unit, 0.0), abs(peak.value))
     for unit in ("N*m", "J"):  # of moments that are zero by symmetry, what is left of forces at their arms
         largest[unit] = max(largest.get(unit, 0.0), largest["N"] * largest["m"])
@@ -137,7 +137,7 @@ def _peaks(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
         by = abs(now.value - was.value)
         moved, rounding = by / size[of, was.unit], by <= ROUNDING * largest[was.unit]
         differ = [differs for peak in (was, now) for differs in peak.differs.values() if differs is not None]
-        if not (rounding or moved <= max(LEAST, *differ, 0.0)):
+        if not (rounding or moved <= max(MIN_CHANGE, *differ, 0.0)):
             unit, own = in_file(now.unit, new.scene)
             digits = 6 if moved > 1e-5 else 12
             values = [re.sub("^-", "−", f"{peak.value / own:.{digits}g}") for peak in (now, was)]

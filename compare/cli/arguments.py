@@ -35,7 +35,7 @@ COMMANDS = {
     "version": "of this program; `list` has those of the engines",
 }
 
-MOST_MACHINES = 1_000_000  # of a scene: their numbers take 200 MB
+MAX_MACHINES = 1_000_000  # of a scene: their numbers take 200 MB
 
 
 def parser() -> argparse.ArgumentParser:
@@ -62,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
     where("--workers", type=partial(_count, 1, 256), metavar="N", help="run the family by N processes")
     where("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
     about = "draw so many machines from the scene's [[variations]] instead, and report what the tolerances do"
-    many("--monte-carlo", type=partial(_count, 2, MOST_MACHINES), metavar="N", help=about)
+    many("--monte-carlo", type=partial(_count, 2, MAX_MACHINES), metavar="N", help=about)
     many("--assemblies", action="store_true", help="draw all ways to put the bodies together instead, with circuits")
     add("--seed", type=partial(_count, 0, 2**32 - 1), metavar="K", help="of these draws (0)")
     about = "judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]"

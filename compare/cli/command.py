@@ -29,7 +29,7 @@ P = ParamSpec("P")
 
 CONSOLE = "linkage-crosscheck"
 OBJECTS = 100_000  # that are new before unused ones are looked for: nearly all that imports make stay
-LEAST = 512  # MB of address space: the main job takes 464; with less, libraries end the process as they like
+MIN_MEGABYTES = 512  # of address space: the main job takes 464; with less, libraries end the process as they like
 
 
 class Terminated(BaseException):
@@ -133,8 +133,10 @@ def _prepare() -> None:
         import resource
 
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        if 0 <= limit < LEAST * 2**20:
-            raise MemoryError(f"the limit is {limit / 2**20:.0f} MB, and {LEAST} MB of address space are needed")
+        if 0 <= limit < MIN_MEGABYTES * 2**20:
+            raise MemoryError(
+                f"the limit is {limit / 2**20:.0f} MB, and {MIN_MEGABYTES} MB of address space are needed"
+            )
 
 
 def command(run: Callable[P, int]) -> Callable[P, int]:

@@ -36,7 +36,7 @@ PACKAGES = ("analytic", "compare", "scenes", "sim_models")
 REPORTED = ("linkage-crosscheck", "numpy", "scipy", "pandas", "uplot-python")  # besides what the engines name
 KINDS = {kind.__name__: kind for kind in (dict, frozenset, tuple)}
 ARRAYS = "biufc"  # kinds of NumPy's types that are numbers
-MOST = 2**26  # bytes of a line: a member of a family has 2**20 at 360 samples
+MAX_BYTES = 2**26  # of a line: a member of a family has 2**20 at 360 samples
 
 
 class Kept:
@@ -55,7 +55,7 @@ class Kept:
         if self.trouble or not self._file.exists():
             return
         with self._trouble(), self._file.open("rb") as file:
-            while line := file.readline(MOST):
+            while line := file.readline(MAX_BYTES):
                 digest, _, text = line.rstrip(b"\n").partition(b" ")
                 if digest == self._digest(text):
                     yield from [json.loads(text)]
@@ -145,14 +145,14 @@ def decoded(data: Any) -> Any:
         return [*map(decoded, data)]
     if not isinstance(data, dict):
         return data
-    ((kind, of),) = data.items()
+    ((kind, content),) = data.items()
     if kind in KINDS:
-        return KINDS[kind](decoded(of))
+        return KINDS[kind](decoded(content))
     if kind == "settings":
-        return standing(b"", *decoded(of))
-    if kind == "array" and np.dtype(of[0]).kind in ARRAYS:
-        return np.frombuffer(b64decode(of[2]), of[0]).reshape(of[1]).copy()
-    return _record(*kind.split(":"))(**{name: decoded(each) for name, each in of.items()})
+        return standing(b"", *decoded(content))
+    if kind == "array" and np.dtype(content[0]).kind in ARRAYS:
+        return np.frombuffer(b64decode(content[2]), content[0]).reshape(content[1]).copy()
+    return _record(*kind.split(":"))(**{name: decoded(each) for name, each in content.items()})
 
 
 def _own(module: str) -> bool:
@@ -160,7 +160,7 @@ def _own(module: str) -> bool:
 
 
 def _record(module: str, name: str) -> Any:
-    of = getattr(import_module(module), name) if _own(module) else object
-    if not (is_dataclass(of) or issubclass(of, (Enum, tuple))):
+    record = getattr(import_module(module), name) if _own(module) else object
+    if not (is_dataclass(record) or issubclass(record, (Enum, tuple))):
         raise ValueError(f"{name} of {module} is no record")
-    return of
+    return record

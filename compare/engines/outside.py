@@ -246,5 +246,5 @@ def unpacked(settings: Settings) -> Settings:
     """Return the engine's own settings, where these stand in for them and the engine is imported."""
     if not isinstance(settings, StandIn):
         return settings
-    own: Settings = pickle.loads(settings.as_sent)
-    return replace(own, promise=settings.promise)
+    received: Settings = pickle.loads(settings.as_sent)
+    return replace(received, promise=settings.promise)

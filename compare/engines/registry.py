@@ -86,9 +86,9 @@ def imported(name: str) -> Engine[Any]:
     entry = ENTRIES[name]
     if entry.outside:
         return outside.imported(entry)
-    own = engine(name)  # first: Exudyn's package prepares the import
+    found = engine(name)  # first: Exudyn's package prepares the import
     import_module(entry.package)
-    return own
+    return found
 
 
 def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:

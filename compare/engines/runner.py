@@ -25,11 +25,11 @@ SECONDS, MEMORY = 20.0, 2 * 2**30  # of processor time, and bytes, for a run of 
 SECONDS_EACH = 1e-4  # more for every value asked for, or found on the way; the slowest settings take a tenth
 MEMORY_EACH = 256  # bytes more for every one of those; a motion is 8
 LIMITS = Limits(SECONDS)  # of what is no run
-LARGEST = 1e30  # of a number: its square is a double
+MAX_NUMBER = 1e30  # its square is a double
 T = TypeVar("T")
 Several: TypeAlias = Sequence[Settings | None]
-TICK = 1e-6  # s, of the clock: what takes less is taken for that, since times are divided by one another
-ON_TIME = 1e-9  # of a cycle: what adding up steps loses is far less, a step too many or too few is far more
+MIN_TIME = 1e-6  # s, of the clock: what takes less is taken for that, since times are divided by one another
+INSTANT_TOL = 1e-9  # of a cycle: what adding up steps loses is far less, a step too many or too few is far more
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def _completed(asked: Run, told: Told, *, reads: bool) -> Run:
         return replace(ended, reason=text_of(told["reason"]), motion=motion)
     if (motion is None) == reads:
         raise ValueError("it is ok, without a motion" if reads else "a motion that was not asked for")
-    seconds: Any = {name: min(max(TICK, float(told[name])), LARGEST) for name in TIMES}
+    seconds: Any = {name: min(max(MIN_TIME, float(told[name])), MAX_NUMBER) for name in TIMES}
     return replace(
         ended,
         found_by="",
@@ -169,11 +169,11 @@ def _solved(
     engine: Engine[Any], scene: Scene, request: Request, settings: Settings | None, *, reads: bool
 ) -> dict[str, Any]:
     """How a run went that came to an end of the engine's own."""
-    own = None if settings is None else unpacked(settings)
+    received = None if settings is None else unpacked(settings)
     try:
         started = processor_time()
         refuse_unknown(engine, scene)
-        simulation = engine.build(scene, own, request)
+        simulation = engine.build(scene, received, request)
         on_wall, built = perf_counter(), processor_time()
         simulation.solve()
         solved, done_on_wall = processor_time(), perf_counter()
@@ -200,7 +200,9 @@ def _plain(motion: object) -> dict[str, Any]:
     """Return an engine's motion as arrays of numbers and clean text, whatever classes of its own it took for them."""
     if not isinstance(motion, Motion):
         raise TypeError(f"expected scenes.Motion, found {type(motion).__name__}")
-    named = {channel: unmasked(channel, of) for channel, of in motion.samples.items() if isinstance(channel, str)}
+    named = {
+        channel: unmasked(channel, samples) for channel, samples in motion.samples.items() if isinstance(channel, str)
+    }
     for channel, samples in named.items():
         if samples.dtype.kind not in NUMBERS:
             raise TypeError(f"{channel} is of {samples.dtype}, expected float64")
@@ -233,7 +235,7 @@ def _usable(motion: Motion | None, scene: Scene, request: Rows) -> Motion | None
     if motion is None or "time" not in motion or scene.drive_channel not in motion:
         return None
     whole = all(values.dtype == np.float64 and values.shape == (request.count,) for values in motion.samples.values())
-    return motion if whole and (np.abs([*motion.samples.values()]) <= LARGEST).all() else None
+    return motion if whole and (np.abs([*motion.samples.values()]) <= MAX_NUMBER).all() else None
 
 
 def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: bool) -> None:
@@ -255,7 +257,7 @@ def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: 
             raise Failure(Status.crashed, f"{channel} is of {values.dtype}, expected float64")
         if values.shape != (request.count,):
             raise Failure(Status.crashed, f"{channel} is of shape {values.shape}, expected {(request.count,)}")
-        bad = ~(np.abs(values) <= LARGEST)
+        bad = ~(np.abs(values) <= MAX_NUMBER)
         if bad.any():
             value, where = values[bad.argmax()], scene.where(float(request.commanded(scene)[bad.argmax()]))
             if np.isfinite(value):
@@ -264,7 +266,7 @@ def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: 
     if not (np.diff(motion["time"]) > 0).all():
         raise Failure(Status.inconsistent, "the engine's instants do not increase from sample to sample", motion)
     late = np.abs(motion["time"] - request.times(scene)).max()
-    if not late <= ON_TIME * scene.cycle:
+    if not late <= INSTANT_TOL * scene.cycle:
         why = f"the engine's samples are off the instants asked for, by up to {late:.3g} s"
         raise Failure(Status.inconsistent, why, motion)
     _check_rows(scene, request, motion)
@@ -278,7 +280,7 @@ def _check_rows(scene: Scene, request: Rows, motion: Motion) -> None:
         return
     rows = np.array([motion[channel] for channel in moves])
     repeated = (np.diff(rows) == 0).all(axis=0) & (
-        np.abs(np.diff(commanded)) > ON_TIME * max(drive.span for drive in scene.drives)
+        np.abs(np.diff(commanded)) > INSTANT_TOL * max(drive.span for drive in scene.drives)
     )
     if repeated.any():
         where = scene.where(float(commanded[1:][repeated.argmax()]))

@@ -40,8 +40,8 @@ FAILED = {
     Status.crashed: "crashed",
 }  # why there is nothing to compare
 CONTRADICTION = "contradicts itself"
-EQUAL = 1e-6  # of a cycle: instants are written at decimals
-CERTAIN = 1e-9  # relative: by so much at least a sample of the reference may be off its bounds
+INSTANT_TOL = 1e-6  # of a cycle: instants are written at decimals
+MIN_FLOOR = 1e-9  # relative: by so much at least a sample of the reference may be off its bounds
 
 
 class Word(StrEnum):
@@ -109,7 +109,7 @@ class Judgement:
     def cycles(self) -> int:
         """The cycles of the drive that the run has, or a result of another program."""
         ends = [m.asked.times(self.scene)[-1] for m in self.measurements if m.foreign and self.scene.periodic]
-        return max([self.sampling.turns, *(ceil(float(end) / self.scene.cycle - EQUAL) for end in ends)])
+        return max([self.sampling.turns, *(ceil(float(end) / self.scene.cycle - INSTANT_TOL) for end in ends)])
 
     @cached_property
     def proof(self) -> Enclosures:
@@ -122,12 +122,12 @@ class Judgement:
         if not self.scene.limits:
             return []
         scale, there = self.reference.scale, (self.sampling.commanded(self.scene), self.sampling.times(self.scene))
-        floor = max([CERTAIN, *self.reference.floor.by_channel.values()])
+        floor = max([MIN_FLOOR, *self.reference.floor.by_channel.values()])
         runs = [SampledRun(_name(self), self.reference.at(*there), floor, scale)]
         for m in self.measurements:
             if m.run.status is Status.ok and m.run.engine != REFERENCE and m.run.motion and m.run.settings:
-                off = max(m.run.settings.promise, m.largest)  # which round-off may take beyond what is promised
-                runs.append(SampledRun(m.run.engine, m.run.motion, off, scale))
+                bound = max(m.run.settings.promise, m.largest)  # which round-off may take beyond what is promised
+                runs.append(SampledRun(m.run.engine, m.run.motion, bound, scale))
         return list(held(self.scene, self.sampling, self.proof, runs, units(self.reference)))
 
     @property
@@ -148,7 +148,9 @@ class Judgement:
     @property
     def misses(self) -> list[Miss]:
         """The same, each with its engine and channel group; a doubt about the reference comes first."""
-        return self.disagreements + [Miss("", "", f"limits.{one.text}") for one in self.limits if one.outcome != MET]
+        return self.disagreements + [
+            Miss("", "", f"limits.{limit.text}") for limit in self.limits if limit.outcome != MET
+        ]
 
     @property
     def disagreements(self) -> list[Miss]:
@@ -162,12 +164,12 @@ class Judgement:
     @cached_property
     def causes(self) -> dict[str, str]:
         """By engine that is not ok or misses a tolerance, the likely cause in a sentence; of a doubted core alone."""
-        off = {gate.engine for gate in self.held if gate.missed}
-        if not (off or self.reference.floor.doubt) and all(m.run.status is Status.ok for m in self.measurements):
+        missing = {gate.engine for gate in self.held if gate.missed}
+        if not (missing or self.reference.floor.doubt) and all(m.run.status is Status.ok for m in self.measurements):
             return {}
         from .triage import sentences  # late: most runs have nothing to find a cause for
 
-        return sentences(self.reference, self.measurements, off)
+        return sentences(self.reference, self.measurements, missing)
 
     @property
     def agreement(self) -> Agreement:
@@ -230,7 +232,7 @@ def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
     """Whether a model was compared over a whole cycle, in steps no longer than engines are asked for at least."""
     times, cycle = measurement.asked.times(scene), scene.cycle
     step = float(np.diff(times).max(initial=0.0))  # to the first row of the next cycle too
-    return bool(FEWEST * step <= (1 + EQUAL) * cycle and times[-1] - times[0] + step >= (1 - EQUAL) * cycle)
+    return bool(FEWEST * step <= (1 + INSTANT_TOL) * cycle and times[-1] - times[0] + step >= (1 - INSTANT_TOL) * cycle)
 
 
 def _contradiction(judged: Judgement, others: Sequence[Measurement]) -> str:
@@ -240,15 +242,15 @@ def _contradiction(judged: Judgement, others: Sequence[Measurement]) -> str:
     if doubt or core:
         why = f"is not to be believed: {doubt.partition(': ')[0]}" if doubt else FAILED.get(core[0], CONTRADICTION)
         return f"{name[0].upper()}{name[1:]} {why}."
-    off = [m for m in others if m.run.status in CONTRADICTS]
-    if off:
-        worst = max(off, key=lambda m: _size(judged, m))
+    contrary = [m for m in others if m.run.status in CONTRADICTS]
+    if contrary:
+        worst = max(contrary, key=lambda m: _size(judged, m))
         error = worst_error(judged.scene, worst, faults=True)
-        by = f" by {sized(error.size)}" if error and isfinite(error.size) else ""
-        names, verb = _listed([m.run.engine for m in off]), "disagrees" if len(off) == 1 else "disagree"
-        which = "" if len(off) == 1 else f", most of all {worst.run.engine}"
-        where = f"{by} in {error.channel}" if error else ""
-        against = f"{names} {verb} with {name}{which}{where}{_cause(judged, worst.run.engine)}."
+        size_text = f" by {sized(error.size)}" if error and isfinite(error.size) else ""
+        names, verb = _listed([m.run.engine for m in contrary]), "disagrees" if len(contrary) == 1 else "disagree"
+        most = "" if len(contrary) == 1 else f", most of all {worst.run.engine}"
+        where = f"{size_text} in {error.channel}" if error else ""
+        against = f"{names} {verb} with {name}{most}{where}{_cause(judged, worst.run.engine)}."
         agreeing = [m for m in others if m.run.status is Status.ok]
         return f"{against} {_confirmed(judged, agreeing)}." if agreeing else against
     ok = {m.run.engine for m in others if m.run.status is Status.ok}
@@ -266,8 +268,8 @@ def _confirmed(judged: Judgement, confirming: Sequence[Measurement]) -> str:
     channels = "every channel" if judged.sampling.channels is None else "every channel asked for"
     if any(m.foreign or (m.run.motion and m.run.motion.unsupported) for m in confirming):
         channels += f" that {each}"
-    to = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
-    return f"{_listed([m.run.engine for m in confirming])} {verb} with {_name(judged)}{to} in {channels}"
+    closeness = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
+    return f"{_listed([m.run.engine for m in confirming])} {verb} with {_name(judged)}{closeness} in {channels}"
 
 
 def _size(judged: Judgement, measurement: Measurement) -> float:

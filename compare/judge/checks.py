@@ -31,8 +31,8 @@ Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative 
 KINDS = {"drive": 0, "position": 0, "velocity": 1, "acceleration": 2, "reaction": 3, "torque": 3, "force": 3}
 POWERS = (1, 2, 2, 2)  # of the condition in what rounding changes; rates and forces are solved for in rounded poses
 FORCES = 3  # the kind of forces
-FINEST = 1e-12  # the least promise of any setting
-ROUNDINGS = 4  # of a difference of two places and of its length
+MIN_PROMISE = 1e-12  # of any setting
+MAX_ROUNDINGS = 4  # of a difference of two places and of its length
 RELATIVE = "larger of its scale and magnitude"
 POWER = ("power", "mechanism", "largest force times the largest speed")
 
@@ -62,7 +62,7 @@ def checks(
     mechanics: Mechanics,
     motion: Motion,
     travel: Mapping[str, float],
-    promise: float = FINEST,
+    promise: float = MIN_PROMISE,
     may: Sequence[Acts] | None = None,
     ends: Sequence[float] | None = None,
     scale: Mapping[str, float] | None = None,
@@ -86,17 +86,17 @@ def checks(
         estimated = estimate(mechanics, motion, travel, promise, ends, scale)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         for group in SHOWN_GROUPS:  # its channel that is furthest off; one that is not a number is further than all
-            own = {c: error.max() for c, error in estimated.errors.items() if mechanics.groups[c] == group}
-            if own:
-                channel = [*own][int(np.argmax([*own.values()]))]
+            shown = {c: error.max() for c, error in estimated.errors.items() if mechanics.groups[c] == group}
+            if shown:
+                channel = [*shown][int(np.argmax([*shown.values()]))]
                 violations[group, channel, RELATIVE] = estimated.errors[channel]
         if mechanics.forces and motion.samples.keys() >= {*mechanics.forces}:
             violations |= _balances(mechanics, state, travel, estimated, may or [*state.acts(state.stroke_ends())])
     worst = []
-    for (check, of, relative_to), violation in violations.items():
+    for (check, subject, relative_to), violation in violations.items():
         row = int(violation.argmax())
         where = scene.where(float(motion[scene.drive_channel][row]))
-        worst.append(Check(check, of, float(violation[row]), float(places[row]), where, relative_to))
+        worst.append(Check(check, subject, float(violation[row]), float(places[row]), where, relative_to))
     return worst
 
 
@@ -109,7 +109,9 @@ def _flips(branch: Samples) -> Samples:
 def _off(drive: Drive, asked: Samples, motion: Motion) -> Samples:
     """How far a drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
     way: Samples = np.maximum(drive.unit, np.abs(asked - asked[:1]))
-    rounding = ROUNDINGS * EPS * np.hypot(asked, 0.0)  # much of the travel of a slider far from where it is measured
+    rounding = (
+        MAX_ROUNDINGS * EPS * np.hypot(asked, 0.0)
+    )  # much of the travel of a slider far from where it is measured
     return np.maximum(np.abs(motion[drive.channel] - asked) - rounding, 0.0) / way
 
 
@@ -131,17 +133,23 @@ def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mappin
     gap = np.zeros(state.motion["time"].shape)
     for (p, q), length in distances(body).items():
         first, second = state.place(p), state.place(q)
-        off = np.abs(np.abs(first - second) - length)
-        rounding = ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))  # of links that are long for the travel
-        gap = np.maximum(gap, np.where(off <= rounding, 0.0, off) / max(travel.get(p, 0.0), travel.get(q, 0.0)))
+        deviation = np.abs(np.abs(first - second) - length)
+        rounding = (
+            MAX_ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))
+        )  # of links that are long for the travel
+        gap = np.maximum(
+            gap, np.where(deviation <= rounding, 0.0, deviation) / max(travel.get(p, 0.0), travel.get(q, 0.0))
+        )
     if body.slide is not None:
-        on, (origin, _) = state.on_guide(body), state.frame(body.slide.on)
+        in_guide, (origin, _) = state.on_guide(body), state.frame(body.slide.on)
         places = np.abs(state.place(body.points[0])) + np.abs(origin) + abs(complex(*body.slide.through))
-        off = np.where(np.abs(on.imag) <= ROUNDINGS * EPS * (places + np.abs(on)), 0.0, np.abs(on.imag))
-        gap = np.maximum(gap, off / max(travel[p] for p in mechanics.along_guides[body.name] if p in travel))
+        deviation = np.where(
+            np.abs(in_guide.imag) <= MAX_ROUNDINGS * EPS * (places + np.abs(in_guide)), 0.0, np.abs(in_guide.imag)
+        )
+        gap = np.maximum(gap, deviation / max(travel[p] for p in mechanics.along_guides[body.name] if p in travel))
         if body.name in mechanics.scene.turning:
-            between = state.angle(body.name) - state.angle(body.slide.on)  # rad, at an arm of its travel
-            gap = np.maximum(gap, np.abs(np.remainder(between + np.pi, 2 * np.pi) - np.pi))
+            angle = state.angle(body.name) - state.angle(body.slide.on)  # rad, at an arm of its travel
+            gap = np.maximum(gap, np.abs(np.remainder(angle + np.pi, 2 * np.pi) - np.pi))
     return gap
 
 
@@ -150,7 +158,7 @@ def estimate(
     mechanics: Mechanics,
     motion: Motion,
     travel: Mapping[str, float],
-    promise: float = FINEST,
+    promise: float = MIN_PROMISE,
     ends: Sequence[float] | None = None,
     scale: Mapping[str, float] | None = None,
 ) -> Estimate:
@@ -174,11 +182,11 @@ def estimate(
     units: dict[str, Samples | float] = {**scale, **mechanics.newtons, **newtons(mechanics, state)}
     loads = [*magnitudes(state, mechanics.size).values()] if mechanics.forces else []
     for kind, power in enumerate(POWERS):  # rounding is by the largest value of a kind, in units that make them alike
-        own = [channel for channel in errors if KINDS[mechanics.groups[channel]] == kind]
-        values = [np.abs(true[channel]) / units[channel] for channel in own if channel not in mechanics.friction]
+        of_kind = [channel for channel in errors if KINDS[mechanics.groups[channel]] == kind]
+        values = [np.abs(true[channel]) / units[channel] for channel in of_kind if channel not in mechanics.friction]
         values += loads if kind == FORCES else []  # what joints carry, and what they leave that cancels in them
         rounding = eps[kind] * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
-        for channel in own:
+        for channel in of_kind:
             explained = rounding * (units[channel] / sizes(true, mechanics.scene.channels[channel], scale[channel]))
             errors[channel] = np.where((errors[channel] <= explained) | np.isinf(condition), 0.0, errors[channel])
     if any(not error.max() <= promise for error in errors.values()):
@@ -193,10 +201,10 @@ def _rounded(
     """By how much the projection of a motion moves when numbers and drive are a few last places off, shape (n,)."""
     moved: dict[str, Samples] = {}
     for other, (position, time) in zip(mechanics.perturbed, mechanics.rounded_drive(motion), strict=True):
-        at = Motion({**motion.samples, mechanics.scene.drive_channel: position, "time": time})
-        projection = projected(other, at, ends)
-        beside = Motion({**projection.closed.samples, **projection.forces})
-        for channel, error in relative_errors(mechanics.scene.channels, beside, true, scale).items():
+        rounded = Motion({**motion.samples, mechanics.scene.drive_channel: position, "time": time})
+        projection = projected(other, rounded, ends)
+        neighbour = Motion({**projection.closed.samples, **projection.forces})
+        for channel, error in relative_errors(mechanics.scene.channels, neighbour, true, scale).items():
             moved[channel] = np.fmax(moved.get(channel, 0.0), error)
     return moved
 
@@ -221,14 +229,14 @@ def _balances(
         # Relative to the peak force on the body, or on any where it carries nothing: if that is so in the motion's own
         # poses, what an engine finds there is its noise.
         nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
-        own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
-        scale = force_scales(mechanics, state.motion, travel, own)
+        peak_forces = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
+        scale = force_scales(mechanics, state.motion, travel, peak_forces)
         natural = max(force_scales(mechanics, state.motion, travel, peaks_of_joints).values(), default=0.0) * fastest
         explained = estimated.rounding * max(scale.values())
-        for (check, name, relative_to), off in left.items():
+        for (check, name, relative_to), residual in left.items():
             arm = 1.0 if check == "Newton" else mechanics.size
-            over = np.where(off <= explained * arm, 0.0, off) / (scale[name] * arm)
-            least[check, name, relative_to] = np.minimum(least.get((check, name, relative_to), np.inf), over)
+            share = np.where(residual <= explained * arm, 0.0, residual) / (scale[name] * arm)
+            least[check, name, relative_to] = np.minimum(least.get((check, name, relative_to), np.inf), share)
         power = np.abs(sum(terms)) / (max(natural, *(float(np.abs(term).max()) for term in terms)) or 1.0)
         power = np.where(power <= estimated.rounding, 0.0, power)
         least[POWER] = np.minimum(least.get(POWER, np.inf), power)
@@ -242,9 +250,9 @@ def _newton_euler(state: MotionVectors, pushes: Sequence[Push]) -> Violations:
     """What all that acts on each body, its inertia too, leaves over: N, and about the centre of mass N m."""
     left: Violations = {}
     for name, body in state.scene.bodies.items():
-        own, com = [push for push in pushes if push.body == name], state.com(body)[0]
-        moments = (((push.at - com).conjugate() * push.force).imag + push.moment for push in own)
-        left["Newton", name, "peak force on the body"] = np.abs(sum(push.force for push in own))
+        acting, com = [push for push in pushes if push.body == name], state.com(body)[0]
+        moments = (((push.at - com).conjugate() * push.force).imag + push.moment for push in acting)
+        left["Newton", name, "peak force on the body"] = np.abs(sum(push.force for push in acting))
         left["Euler", name, "peak force times the linkage's size"] = np.abs(sum(moments))
     return left
 

@@ -45,9 +45,9 @@ def with_derived(reference: Reference, given: Collection[str]) -> Reference:
     if neighbours and len(parts) < len(names):  # which solve the channels of engines, no angles
         neighbours = tuple(registry.reference(other.scene) for other in known.perturbed)
     mechanics.__dict__["neighbours"] = tuple(_solver(solve, parts) for solve in neighbours)
-    own = {each.name: getattr(reference, each.name) for each in fields(Reference)}
-    own["scale"] = {**reference.scale, **{name: reference.scale.get(like, 1.0) for name, like in likes.items()}}
-    return _WithMagnitudes(**{**own, "mechanics": mechanics, "at": _solver(reference.at, parts)}, parts=parts)
+    values = {each.name: getattr(reference, each.name) for each in fields(Reference)}
+    values["scale"] = {**reference.scale, **{name: reference.scale.get(like, 1.0) for name, like in likes.items()}}
+    return _WithMagnitudes(**{**values, "mechanics": mechanics, "at": _solver(reference.at, parts)}, parts=parts)
 
 
 def _solver(solve: Solve, parts: Parts) -> Solve:

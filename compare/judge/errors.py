@@ -19,7 +19,7 @@ from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.registry import REFERENCE
-from ..engines.runner import ON_TIME
+from ..engines.runner import INSTANT_TOL
 from ..mechanics.mechanics import SHOWN_GROUPS
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained
@@ -68,14 +68,14 @@ def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
     slope = _slope(reference, commanded)
     actual = reference.at(motion[scene.drive_channel], motion["time"])
     may = reference.acts(commanded, actual)  # a drive that lags must not decide on which side of a switch it is
-    off, errors = (reference.errors(motion, true, may) for true in (commanded, actual))
+    by_command, errors = (reference.errors(motion, true, may) for true in (commanded, actual))
     return Comparison(
-        errors | {scene.drive_channel: off[scene.drive_channel]},
-        off,
+        errors | {scene.drive_channel: by_command[scene.drive_channel]},
+        by_command,
         position,
         reference.mechanics.axis.of(commanded),
         slope < TOGGLE_WINDOW * slope.max(),
-        commanded["time"] >= commanded["time"][-1] - (1 + ON_TIME) * scene.cycle,
+        commanded["time"] >= commanded["time"][-1] - (1 + INSTANT_TOL) * scene.cycle,
     )
 
 
@@ -124,9 +124,9 @@ def error_table(
     shown = np.maximum(figures, np.where(floors >= 0, floors, least)[:, np.newaxis]).tolist()
     for channel, floor, row in zip(named, floors.tolist(), shown, strict=True):
         explains = np.nan if explained is None else explained.largest_errors[channel]
-        at = float(comparison.axis[worst[channel]]), mechanics.axis.unit
+        place = float(comparison.axis[worst[channel]]), mechanics.axis.unit
         scale = reference.scale[channel], mechanics.units[channel]
-        yield ChannelError._make((engine, channel, mechanics.groups[channel], *row, explains, *at, floor, *scale))
+        yield ChannelError._make((engine, channel, mechanics.groups[channel], *row, explains, *place, floor, *scale))
 
 
 def worst_of(rows: Sequence[ChannelError], figure: str = "max") -> ChannelError:

@@ -80,9 +80,12 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     check_sketch(reference)
     sampling = Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
-    own = reference.at(sampling.commanded(scene), sampling.times(scene))
+    answer = reference.at(sampling.commanded(scene), sampling.times(scene))
     settings = registry.engine(registry.REFERENCE).DEFAULT
-    both = Run(registry.REFERENCE, settings, Status.ok, motion=own.prompt), runs.run(registry.ORACLE, scene, sampling)
+    both = (
+        Run(registry.REFERENCE, settings, Status.ok, motion=answer.prompt),
+        runs.run(registry.ORACLE, scene, sampling),
+    )
     core, oracle = (assess(reference, sampling, run, explained) for run in both)
     if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and rough(reference):
         raise other_assembly(reference, registry.ENTRIES[registry.ORACLE].distribution)
@@ -90,12 +93,12 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     if oracle.comparison is None:
         return replace(reference, floor=Floor({}, f"not certified: {oracle.run.reason}", doubt))
     where = f"{FLOOR_SAMPLES} {'angles' if units.turns_fully(scene) else 'instants'}"
-    by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(scene)}"
+    source = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(scene)}"
     floor = {channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}
     worst = max(floor, key=floor.__getitem__)
     kept = floor[worst] <= settings.promise
     limit = "" if kept else f", all that doubles leave of {worst}: {explained.why(worst)}"
-    return replace(reference, floor=Floor(floor, by, doubt, limit))
+    return replace(reference, floor=Floor(floor, source, doubt, limit))
 
 
 def _doubt(core: Measurement, oracle: Measurement) -> str:

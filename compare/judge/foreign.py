@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 Halves: TypeAlias = Mapping[str, Samples]  # of the last decimals, by channel, each of shape (n,), SI
 
-MOST = 1e-2  # relative, of a force to what it is left of: more than that is an error, and no decimals excuse it
-ALIKE = 3.0  # times what the checks find in the reference: the roundings of two motions differ by chance
+MAX_EXCUSED = 1e-2  # relative, of a force to what it is left of: more than that is an error, and no decimals excuse it
+MAX_RATIO_OF_CHECKS = 3.0  # to what they find in the reference: the roundings of two motions differ by chance
 SEED = 20261122
 
 
@@ -70,9 +70,9 @@ def coarse(measured: Measurement) -> Iterator[str]:
     ok = run.status is Status.ok
     worst = worst_of(errors, "explained" if ok else "unexplained")
     if ok and worst.explained > run.settings.promise:
-        off = f"may be off by {share(worst.explained)} unnoticed"
-        yield f"{run.engine}: {worst.channel} {off}, by its decimals or next to a singular configuration"
-    elif not ok and worst.explained >= MOST:
+        doubt = f"may be off by {share(worst.explained)} unnoticed"
+        yield f"{run.engine}: {worst.channel} {doubt}, by its decimals or next to a singular configuration"
+    elif not ok and worst.explained >= MAX_EXCUSED:
         why = "its decimals are of more than the 1 % that they may excuse"
         yield f"{run.engine}: {worst.channel} is written too coarsely: {why}"
 
@@ -80,8 +80,10 @@ def coarse(measured: Measurement) -> Iterator[str]:
 def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samples) -> Samples:
     """Where the drive is by the time, but for what its decimals, which excuse no other channel, do not explain."""
     asked = inputs_of(mechanics.scene, time).driven().position
-    off = position - asked
-    left: Samples = np.sign(off) * np.maximum(np.abs(off) - np.minimum(half, MOST * mechanics.way), 0.0)
+    deviation = position - asked
+    left: Samples = np.sign(deviation) * np.maximum(
+        np.abs(deviation) - np.minimum(half, MAX_EXCUSED * mechanics.way), 0.0
+    )
     return asked + left
 
 
@@ -94,7 +96,7 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
         both = row.components if row.axis else (channel,)
         half = np.linalg.norm([halves[c] for c in both if c in halves] or [np.zeros(1)], axis=0)
         relative = half / sizes(true, row, reference.scale[channel]) + moved.get(channel, 0.0)
-        written[channel] = np.minimum(relative, MOST * np.maximum(explained.terms.get(channel, 1.0), 1.0))
+        written[channel] = np.minimum(relative, MAX_EXCUSED * np.maximum(explained.terms.get(channel, 1.0), 1.0))
     return replace(explained, written=written)
 
 
@@ -110,26 +112,28 @@ def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, S
 
 
 def _excused(
-    reference: Reference, halves: Halves, true: Motion, terms: Mapping[str, Samples], promise: float, own: Motion
+    reference: Reference, halves: Halves, true: Motion, terms: Mapping[str, Samples], promise: float, given: Motion
 ) -> list[Check]:
     """What checks find in a result's own motion; nothing where they find it in the reference's as it may be written."""
-    draw, complete = np.random.default_rng(SEED), own.samples.keys() >= reference.mechanics.units.keys()
+    draw, complete = np.random.default_rng(SEED), given.samples.keys() >= reference.mechanics.units.keys()
     way = np.abs(inputs_of(reference.scene, true["time"]).driven().rate) * halves["time"]  # of the drive meanwhile
     halves = {**halves, reference.scene.drive_channel: way}
-    off = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in own.samples}
+    rounded = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in given.samples}
 
     def found(motion: Motion) -> list[Check]:
         may = reference.acts(motion, true) if complete else None  # decimals may put a slider beyond a press's switch
-        own = reference.mechanics, motion, reference.travel, promise, may, reference.stroke_ends
-        return checks(*own, reference.scale)  # forces of nothing but decimals have no scale of their own
+        arguments = reference.mechanics, motion, reference.travel, promise, may, reference.stroke_ends
+        return checks(*arguments, reference.scale)  # forces of nothing but decimals have no scale of their own
 
-    allowed = found(Motion(off | {"time": true["time"]}))
+    allowed = found(Motion(rounded | {"time": true["time"]}))
     # A balance adds up many channels, each of which is held against the reference by itself: it has no other limit.
     most = {
-        _of(each): min(ALIKE * each.worst, np.inf if each.check in BALANCES else MOST * _times(terms, each.of))
+        _of(each): min(
+            MAX_RATIO_OF_CHECKS * each.worst, np.inf if each.check in BALANCES else MAX_EXCUSED * _times(terms, each.of)
+        )
         for each in allowed
     }
-    return [replace(each, worst=0.0) if each.worst <= most.get(_of(each), 0.0) else each for each in found(own)]
+    return [replace(each, worst=0.0) if each.worst <= most.get(_of(each), 0.0) else each for each in found(given)]
 
 
 def _times(terms: Mapping[str, Samples], channel: str) -> float:

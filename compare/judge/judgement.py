@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
 
-BEYOND = 0.01  # of a motion law's table: its spline may leave it by so much without a word
-NARROW = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
+MAX_SPLINE_EXCESS = 0.01  # of a motion law's table: its spline may leave it by so much without a word
+MAX_HEIGHT_OF_BAR = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
 
 
 def judgement(
@@ -56,12 +56,12 @@ def judgement(
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:
             progress(f"running {engine}")
-            at = partial(measure, reference, engine, sampling, explained=explained, runs=runs)
+            attempt = partial(measure, reference, engine, sampling, explained=explained, runs=runs)
             if registry.ENTRIES[engine].missing:
-                yield at()
+                yield attempt()
                 continue
             offered, why = offers(engine)
-            measured, tried = escalated(at, offered)
+            measured, tried = escalated(attempt, offered)
             reasons.extend(filter(None, (why, tried)))
             reasons.extend(beyond(measured, explained))
             yield measured
@@ -88,9 +88,9 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
     if not doubt:
         pairs = [
-            (one, other)
-            for one, other in combinations(against, 2)
-            if voter(one.run.engine) != voter(other.run.engine) and _agree(reference, one.run, other.run)
+            (first, second)
+            for first, second in combinations(against, 2)
+            if voter(first.run.engine) != voter(second.run.engine) and _agree(reference, first.run, second.run)
         ]
         if reference.floor.by_channel or not pairs:
             return reference, measurements
@@ -101,8 +101,8 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
         count = f"{votes} against {1 + len({*map(voter, ok)})} with no calculation of 50 digits to decide"
         doubt = f"{alone}, {count}, suspect the core: {names} agree with each other"
         for m in against:  # as their own output lets one judge them
-            own = replace(m.run, status=Status.ok, reason="", found_by="")
-            by_themselves[id(m)] = replace(m, run=judged(own, m.checks))
+            ok_run = replace(m.run, status=Status.ok, reason="", found_by="")
+            by_themselves[id(m)] = replace(m, run=judged(ok_run, m.checks))
     doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))
     return doubted, [
         replace(m, run=doubted_core(m.run, doubt)) if m.run.engine == REFERENCE else by_themselves.get(id(m), m)
@@ -110,17 +110,19 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     ]
 
 
-def _agree(reference: Reference, one: Run, other: Run) -> bool:
+def _agree(reference: Reference, first: Run, second: Run) -> bool:
     """Whether two runs of the same instants are within the sum of their promises of each other."""
-    if one.motion is None or other.motion is None or one.settings is None or other.settings is None:
+    if first.motion is None or second.motion is None or first.settings is None or second.settings is None:
         return False
-    errors = relative_errors(reference.scene.channels, one.motion, other.motion, reference.scale)
-    return bool(np.max([*map(np.max, errors.values())]) <= one.settings.promise + other.settings.promise)
+    errors = relative_errors(reference.scene.channels, first.motion, second.motion, reference.scale)
+    return bool(np.max([*map(np.max, errors.values())]) <= first.settings.promise + second.settings.promise)
 
 
 def notes(scene: Scene) -> Iterator[str]:
     """Yield a sentence on a motion law that leaves its table, and on each plate or bar that is nearly the other."""
-    for law in (drive.law for drive in scene.drives if isinstance(drive.law, MotionLaw) and drive.law.beyond > BEYOND):
+    for law in (
+        drive.law for drive in scene.drives if isinstance(drive.law, MotionLaw) and drive.law.beyond > MAX_SPLINE_EXCESS
+    ):
         leaves = f"drives from {scene.between(law.extent)}, beyond its table's {scene.between(law.table)}"
         closer = "more rows where the motion changes keep it closer, 'segments' or 'harmonics' have no table to leave"
         yield f"the motion law's spline {leaves}: {closer}"
@@ -131,7 +133,7 @@ def notes(scene: Scene) -> Iterator[str]:
         if len(body.corners) == 2 and height > CLOSED:
             taken = f"is taken for a uniform bar from {' to '.join(body.corners)}"
             yield f"{nearly}, {taken}; a plate has down to half the inertia: give com and inertia where it is one"
-        elif len(body.corners) == 3 and height <= NARROW:
+        elif len(body.corners) == 3 and height <= MAX_HEIGHT_OF_BAR:
             taken = "is taken for a uniform triangular plate; a bar has up to twice the inertia"
             yield f"{nearly}, {taken}: give com and inertia, or put the points on the line"
 
@@ -144,15 +146,15 @@ def beyond(measured: Measurement, explained: Explained) -> Iterator[str]:
     run = measured.run
     if run.status is not Status.ok or run.settings is None or run.engine == REFERENCE:
         return
-    over = [
+    too_far = [
         row
         for row in measured.errors
         if row.channel in explained.sensitivity and row.commanded_max > run.settings.promise
     ]
-    if over:
-        row = worst_of(over, "commanded_max")
-        off = f"{row.channel} is off by {share(row.commanded_max)} where {run.settings.promise:g} is promised"
-        yield f"{run.engine}: {off}: round-off explains up to {share(row.explained)}, {explained.why(row.channel)}"
+    if too_far:
+        row = worst_of(too_far, "commanded_max")
+        error = f"{row.channel} is off by {share(row.commanded_max)} where {run.settings.promise:g} is promised"
+        yield f"{run.engine}: {error}: round-off explains up to {share(row.explained)}, {explained.why(row.channel)}"
 
 
 def point_masses(scene: Scene) -> Iterator[str]:

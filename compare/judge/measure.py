@@ -42,7 +42,7 @@ class Measurement:
 
     def worst(self, figure: str = "max") -> dict[str, float]:
         """The largest of a figure of the errors by channel group; a NaN counts as the largest."""
-        return {group: getattr(worst_of(of, figure), figure) for group, of in sorted(by_group(self.errors).items())}
+        return {group: getattr(worst_of(rows, figure), figure) for group, rows in sorted(by_group(self.errors).items())}
 
     @property
     def largest(self) -> float:
@@ -81,8 +81,8 @@ def assess(
     if outcome.motion is None:
         return Measurement(outcome, None, [], asked=sampling)
     promise = (outcome.settings or Settings("")).promise
-    own = find or (lambda motion: checks(reference.mechanics, motion, reference.travel, promise))
-    checked = own(outcome.motion)
+    find_checks = find or (lambda motion: checks(reference.mechanics, motion, reference.travel, promise))
+    checked = find_checks(outcome.motion)
     verdict = judged(outcome, checked)
     try:
         comparison = compare(reference, sampling, outcome.motion)
@@ -158,10 +158,10 @@ def escalated(measure: Callable[[Settings], Measurement], offered: Sequence[Sett
 
 def _finer(first: Measurement, further: Iterable[Measurement]) -> str:
     """Which settings leave hardly any of the error over, and how much, or nothing."""
-    from .causes.evidence import NEARLY_ALL  # late, as what a run that is right needs none of
+    from .causes.evidence import MAX_REST  # late, as what a run that is right needs none of
 
-    off = first.largest
-    left = min(((m.largest / off, _label(m.run)) for m in further if m.largest < NEARLY_ALL * off), default=None)
+    error = first.largest
+    left = min(((m.largest / error, _label(m.run)) for m in further if m.largest < MAX_REST * error), default=None)
     return f"{left[1]} leave {share(left[0])}" if left else ""
 
 

@@ -28,9 +28,9 @@ MAX_COEFFICIENT = 1.0  # of friction: rubber on a road
 MAX_GYRATION = 3.0  # sizes of a body
 MAX_PIN = 0.5  # of a bar's length: the radius of its pin
 SIZES = 1e-5, 100.0  # m: the largest length of a machine
-PART = 1e-9  # of a cycle: by how much the period of a table may be longer, by rounding
+PERIOD_TOL = 1e-9  # of a cycle: by how much the period of a table may be longer, by rounding
 STEPS = 720  # of a cycle, for the work of a table
-HELPS = 0.01  # of all work, given or taken: what a table may give more than it takes
+MAX_WORK_GAINED = 0.01  # of all work, given or taken: what a table may give more than it takes
 
 
 def implausible(reference: Reference) -> Iterator[str]:
@@ -63,9 +63,12 @@ def centres_of_mass(reference: Reference) -> Iterator[str]:
     for body in _weighed(scene):
         places = np.array([*arms(scene, body).values()])
         com, size = weights(scene, body).com, _size(body)
-        x, y = (np.clip(at, own.min(), own.max()) for at, own in ((com.real, places.real), (com.imag, places.imag)))
-        if (off := abs(com - complex(x, y))) > size:
-            apart = f"{scene.length(off)} off its points, which are {scene.length(size)} apart at most"
+        x, y = (
+            np.clip(coordinate, extent.min(), extent.max())
+            for coordinate, extent in ((com.real, places.real), (com.imag, places.imag))
+        )
+        if (distance := abs(com - complex(x, y))) > size:
+            apart = f"{scene.length(distance)} off its points, which are {scene.length(size)} apart at most"
             yield f"the centre of mass of {body.name} is {apart}: 'com' is in the frame of the body, as its points are"
 
 
@@ -118,9 +121,11 @@ def helping_tables(reference: Reference) -> Iterator[str]:
         state = MotionVectors(scene, motion)
         power = sum(power_of(state, push) for push in of_element(state, load))
         given, taken = (float(np.trapezoid(np.maximum(sign * power, 0.0), motion["time"])) for sign in (1, -1))
-        if given - taken > HELPS * (given + taken):
+        if given - taken > MAX_WORK_GAINED * (given + taken):
             share = (
-                f"{given / taken:.3g} times the work that it takes" if taken > HELPS * given else "work and takes none"
+                f"{given / taken:.3g} times the work that it takes"
+                if taken > MAX_WORK_GAINED * given
+                else "work and takes none"
             )
             helps = "it helps the motion, as the gas of an engine does and no resistance"
             yield f"the table of loads.{number} gives {load.body} {share}: {helps}"
@@ -135,7 +140,7 @@ def cycles_of(scene: Scene, load: Load) -> int:
     lengths: Mapping[str, float] = {"drive": abs(float(law.after(1.0) - law.after(0.0))), "time": scene.cycle}
     if table is None or not (table.periodic and scene.periodic and lengths.get(table.over)):
         return 1
-    return ceil(float(table.arguments[-1] - table.arguments[0]) / lengths[table.over] - PART)
+    return ceil(float(table.arguments[-1] - table.arguments[0]) / lengths[table.over] - PERIOD_TOL)
 
 
 def _weighed(scene: Scene) -> Iterator[Body]:

@@ -15,7 +15,7 @@ from scenes.scene import LimitTable
 from ..mechanics.axis import axis, cycle_name, grouped
 from ..mechanics.quantities import Units, apart, limited, suited, with_unit
 
-NARROW = 1e-3  # of the drive's range: what is called one place
+MAX_WIDTH_OF_PLACE = 1e-3  # of the drive's range
 MET, MISSED, OPEN = "met", "missed", "not decided"
 FORCES = ("N", "N*m", "W")  # units of what may go on from cycle to cycle
 
@@ -68,7 +68,10 @@ class LimitsVerdict(NamedTuple):
 
 def verdict_on(limits: Sequence[HeldLimit]) -> LimitsVerdict | None:
     """How many limits are met, and those that are not; None without limits."""
-    outcomes, open_limits = {limit.outcome for limit in limits}, [one.text for one in limits if one.outcome != MET]
+    outcomes, open_limits = (
+        {limit.outcome for limit in limits},
+        [limit.text for limit in limits if limit.outcome != MET],
+    )
     word = next((outcome for outcome in (MISSED, OPEN, MET) if outcome in outcomes), None)
     met = f"{len(limits) - len(open_limits)} of {len(limits)} limits are met at every position"
     return None if word is None else LimitsVerdict(word, f"{'; '.join([met, *open_limits])}.")
@@ -154,36 +157,36 @@ def whole_turns(first: float, last: float, limits: LimitTable) -> int:
     An angle of a turn and more passes all directions: it stays, from -pi to pi at the drive's start.
     """
     given = [end for end in (limits.least, limits.most) if end is not None]
-    off = sum(given) / len(given) - (first + last) / 2
-    if not isfinite(off) or (len(given) == 1 and last - first >= tau):
+    offset = sum(given) / len(given) - (first + last) / 2
+    if not isfinite(offset) or (len(given) == 1 and last - first >= tau):
         return 0
-    turns = round(off / tau)
-    passed = len(given) == 1 and abs(off - tau * turns) < (last - first) / 2
+    turns = round(offset / tau)
+    passed = len(given) == 1 and abs(offset - tau * turns) < (last - first) / 2
     violated = (limits.least is not None and first < limits.least) or (limits.most is not None and last > limits.most)
     return turns if violated or passed else 0
 
 
 def met(scene: Scene, motion: Motion) -> Any:
     """Whether each of m machines meets all limits of the scene at its samples, shape (m,); the motion's are (m, n)."""
-    within = np.ones(len(motion["time"]), np.bool_)
+    fulfilled = np.ones(len(motion["time"]), np.bool_)
     for name, limit in scene.limits.items():
         values = values_of(scene, name, motion)
         if scene.channels[name].modulo_turn:
             ends = zip(values.min(axis=-1).tolist(), values.max(axis=-1).tolist(), strict=True)
             values = values + tau * np.array([[whole_turns(*each, limit)] for each in ends])
-        within &= (limit.least is None) | (values >= (limit.least or 0.0)).all(axis=-1)
-        within &= (limit.most is None) | (values <= (limit.most or 0.0)).all(axis=-1)
-    return within
+        fulfilled &= (limit.least is None) | (values >= (limit.least or 0.0)).all(axis=-1)
+        fulfilled &= (limit.most is None) | (values <= (limit.most or 0.0)).all(axis=-1)
+    return fulfilled
 
 
 def values_of(scene: Scene, name: str, motion: Motion) -> Samples:
     """A channel or magnitude at a motion's samples, shape (..., n), or NaN; angles go on over whole turns."""
-    own = [motion[channel] for channel in channels_of(scene, name, motion.samples)]
-    if not own:
+    columns = [motion[channel] for channel in channels_of(scene, name, motion.samples)]
+    if not columns:
         return np.full((*motion["time"].shape[:-1], 1), nan)
     if scene.channels[name].modulo_turn:
-        return np.unwrap(own[0], axis=-1)
-    return np.asarray(np.hypot(*own) if name in scene.channels.magnitudes else np.min(own, axis=0))
+        return np.unwrap(columns[0], axis=-1)
+    return np.asarray(np.hypot(*columns) if name in scene.channels.magnitudes else np.min(columns, axis=0))
 
 
 def channels_of(scene: Scene, name: str, known: Iterable[str]) -> Sequence[str]:
@@ -195,6 +198,8 @@ def channels_of(scene: Scene, name: str, known: Iterable[str]) -> Sequence[str]:
 
 def place(scene: Scene, ends: tuple[float, float]) -> str:
     """A part of the drive's range, SI, as messages name it: where it is narrow, one place."""
-    over, (low, high) = axis(scene), ends
-    wide = high - low > NARROW * (scene.cycle if over.channel == "time" else max(drive.span for drive in scene.drives))
-    return f"from {over.text(*ends)}" if wide else f"at {over.text((low + high) / 2)}"
+    drive_axis, (low, high) = axis(scene), ends
+    wide = high - low > MAX_WIDTH_OF_PLACE * (
+        scene.cycle if drive_axis.channel == "time" else max(drive.span for drive in scene.drives)
+    )
+    return f"from {drive_axis.text(*ends)}" if wide else f"at {drive_axis.text((low + high) / 2)}"

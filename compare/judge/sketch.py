@@ -5,7 +5,7 @@ is meant; where it is of another position of the drive, or has points on the wro
 and none of them is to blame. A sketch is at fault
 
     where the bodies cannot be put together at its position of the drive,
-    where a body but the driven one is drawn turned by more than `MOST_TURNED` from where it is put together,
+    where a body but the driven one is drawn turned by more than `MAX_TURNED` from where it is put together,
     where it is nearer to another assembly than to the one on whose side its points are, or
     where its points are as far apart as in another unit of length.
 
@@ -30,12 +30,12 @@ from ..mechanics.bodies import distances
 from ..mechanics.mechanics import Mechanics
 from ..mechanics.reference import Reference
 
-NEAR = 0.03  # of the largest length: a sketch whose points are all so near is nearest to the assembly that it picks
-FAR = 0.1  # of that length: shipped sketches are within 0.06 of it, a leg upside down is 0.28 and more off
-EXACTLY = 1e-6  # of that length: less is not worth a number
-MOST_TURNED = radians(75)  # of those spoilt sketches, all that mislead an engine have a body turned by 81 deg and more
-MOST_BODIES = 13  # that are six dyads, or 64 assemblies
-SCALED = 5.0  # times as far apart as on their bodies, or a fifth: no drawing is so rough
+NEAR_TOL = 0.03  # of the largest length: a sketch whose points are all so near is nearest to the assembly that it picks
+SKETCH_TOL = 0.1  # of that length: shipped sketches are within 0.06 of it, a leg upside down is 0.28 and more off
+MIN_SHOWN = 1e-6  # of that length
+MAX_TURNED = radians(75)  # of those spoilt sketches, all that mislead an engine have a body turned by 81 deg and more
+MAX_BODIES = 13  # that are six dyads, or 64 assemblies
+MAX_SCALE = 5.0  # times as far apart as on their bodies, or a fifth: no drawing is so rough
 FAR_OFF = "the sketch is far from where the lengths put its points"
 
 Places = Mapping[str, complex]  # by point, m
@@ -72,9 +72,9 @@ def with_sketch(scene: Scene, failure: Failure) -> Failure:
     if fit is None:  # its sides pick what never closes
         wrong = bool(_scaled(scene) or places)
     elif any(isnan(abs(place)) for place in places.values()):
-        wrong = max(_off(scene, fit.there).values()) <= FAR * size
+        wrong = max(_off(scene, fit.there).values()) <= SKETCH_TOL * size
     else:
-        wrong = max(_off(scene, places).values()) > FAR * size
+        wrong = max(_off(scene, places).values()) > SKETCH_TOL * size
     if not wrong:
         return failure
     listed = f": {points}" if (points := _listed(scene, _off(scene, places), size)) else ""
@@ -92,7 +92,7 @@ def rough(reference: Reference) -> bool:
 
     It is not where the sketch is near to an assembly, be it the core's or not.
     """
-    scene, most = reference.scene, NEAR * reference.mechanics.size
+    scene, most = reference.scene, NEAR_TOL * reference.mechanics.size
     if max(off_sketch(reference).values(), default=np.inf) <= most:
         return False
     return not max(_off(scene, _nearest(scene)).values(), default=np.inf) <= most
@@ -103,14 +103,14 @@ def warnings(reference: Reference) -> Iterator[str]:
 
     It is of all where the sketch is near at another position of the drive.
     """
-    scene, size, off = reference.scene, reference.mechanics.size, off_sketch(reference)
-    far = {point: distance for point, distance in off.items() if not distance <= FAR * size}
+    scene, size, distances = reference.scene, reference.mechanics.size, off_sketch(reference)
+    far = {point: distance for point, distance in distances.items() if not distance <= SKETCH_TOL * size}
     driver = " and the ".join(scene.driven)
     driven, fits = {point for point in far if not scene.driven.keys().isdisjoint(scene.owners[point])}, ""
     if driven:
         fit = registry.sketch_fit(scene)
         fits = _what_fits(scene, size, fit)
-        driven = {*far} if fit and max(_off(scene, fit.there).values()) <= FAR * size else driven
+        driven = {*far} if fit and max(_off(scene, fit.there).values()) <= SKETCH_TOL * size else driven
     for points, what_follows in (
         (driven, f"check that sketch.{_key(scene)} is where the {driver} is drawn{fits}"),
         (far.keys() - driven, "it picks the assembly branch: check that they are drawn on the side meant"),
@@ -141,24 +141,24 @@ def _fault(scene: Scene, size: float, places: Places) -> str:
         listed = _listed(scene, _off(scene, fit.here), size) if fit else ""
         why = f"the bodies cannot be put together where the sketch has the drive, {_given(scene)}"
         return f"{why}: {listed}" if listed else why
-    given, off = _given(scene), _off(scene, places)
-    listed = _listed(scene, off, size)
+    given, distances = _given(scene), _off(scene, places)
+    listed = _listed(scene, distances, size)
     if _scaled(scene):
         return f"{FAR_OFF}, {given}: {listed}"
     turned, body = max(_turned(scene, places), default=(0.0, ""))
-    near = max(off.values(), default=0.0) <= NEAR * size
-    if near and turned <= MOST_TURNED:
+    near = max(distances.values(), default=0.0) <= NEAR_TOL * size
+    if near and turned <= MAX_TURNED:
         return ""
     every = _assemblies(scene)
-    if every and max(_off(scene, _of(scene, every[0])).values()) <= NEAR * size and not near:
+    if every and max(_off(scene, _of(scene, every[0])).values()) <= NEAR_TOL * size and not near:
         return ""  # a clear one, of which the core has taken another assembly: no fault of the sketch
-    meant = next((one for one in every if one.meant), None)
-    if turned <= MOST_TURNED and (meant is None or meant is every[0]):
+    meant = next((assembly for assembly in every if assembly.meant), None)
+    if turned <= MAX_TURNED and (meant is None or meant is every[0]):
         return ""
     apart = f"it has {body} turned by {degrees(turned):.0f} deg"
-    if meant and (other := next((one for one in every if one is not meant), None)):
-        own, another = (scene.length(one.off_sketch) for one in (meant, other))
-        apart = f"it is {own} from the one on whose side its points are, {another} from another"
+    if meant and (other := next((assembly for assembly in every if assembly is not meant), None)):
+        nearest, another = (scene.length(assembly.off_sketch) for assembly in (meant, other))
+        apart = f"it is {nearest} from the one on whose side its points are, {another} from another"
     return f"the sketch decides between no two ways of assembling the bodies, {given}: {apart}; {listed}"
 
 
@@ -175,7 +175,7 @@ def _turned(scene: Scene, places: Places) -> Iterator[tuple[float, str]]:
 def _assemblies(scene: Scene) -> list[Assembly]:
     """All assemblies where the sketch has the drive, the nearest first; none where that is too much to look at."""
     try:
-        return [*registry.assemblies(scene, circuits=False).found] if len(scene.bodies) <= MOST_BODIES else []
+        return [*registry.assemblies(scene, circuits=False).found] if len(scene.bodies) <= MAX_BODIES else []
     except Failure:
         return []
 
@@ -200,11 +200,11 @@ def _given(scene: Scene) -> str:
     return f"sketch.{_key(scene)} = {scene.position(scene.sketch.drive)}{absent}"
 
 
-def _listed(scene: Scene, off: Mapping[str, float], size: float) -> str:
+def _listed(scene: Scene, distances: Mapping[str, float], size: float) -> str:
     """Which points are off, the worst first; none of those that nothing places."""
-    known = sorted((point for point in off if not isnan(off[point])), key=lambda point: -off[point])
-    worst = [point for point in known if off[point] > NEAR * size] or known[:1]
-    return ", ".join(f"{point} by {scene.length(off[point])}" for point in worst)
+    known = sorted((point for point in distances if not isnan(distances[point])), key=lambda point: -distances[point])
+    worst = [point for point in known if distances[point] > NEAR_TOL * size] or known[:1]
+    return ", ".join(f"{point} by {scene.length(distances[point])}" for point in worst)
 
 
 def _what_fits(scene: Scene, size: float, fit: SketchFit | None) -> str:
@@ -213,13 +213,13 @@ def _what_fits(scene: Scene, size: float, fit: SketchFit | None) -> str:
         return f"; it is drawn {scale:.3g} times as large as the bodies, and read in {scene.units['length'][0]}"
     if fit is None:
         return "; with its points on that side the bodies close at no position of the drive"
-    there, off = scene.position(fit.position), _off(scene, fit.there)
-    worst = max(off, key=lambda point: off[point])
-    left = scene.length(off[worst])
-    if off[worst] > FAR * size:
+    there, distances = scene.position(fit.position), _off(scene, fit.there)
+    worst = max(distances, key=lambda point: distances[point])
+    left = scene.length(distances[worst])
+    if distances[worst] > SKETCH_TOL * size:
         return f"; it fits nowhere: best at {there}, with {worst} off by {left}"
-    within = f", with no point off by more than {left}" if off[worst] > EXACTLY * size else ""
-    return f"; it fits at {there}{within}"
+    bound = f", with no point off by more than {left}" if distances[worst] > MIN_SHOWN * size else ""
+    return f"; it fits at {there}{bound}"
 
 
 def _scaled(scene: Scene) -> float:
@@ -231,4 +231,4 @@ def _scaled(scene: Scene) -> float:
         if p in drawn and q in drawn and not {p, q} <= {*scene.ground} and length > 0
     ]
     scale = median(pairs or [1.0])  # not that of numpy, which imports its masked arrays for it
-    return scale if scale > SCALED or scale < 1 / SCALED else 0.0
+    return scale if scale > MAX_SCALE or scale < 1 / MAX_SCALE else 0.0

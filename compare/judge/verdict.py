@@ -18,11 +18,11 @@ from ..mechanics.mechanics import SHOWN_GROUPS
 from .checks import Check
 from .errors import Comparison
 
-PER_CENT = 1e-6  # relative: less is given in digits
-OPEN = 1e-2  # of the travel of its points: a pin that gapes this far is no pin
-WORTHLESS = 0.1  # of the scale or magnitude: what is so far off belongs to another motion
-ELSEWHERE = 5e-2  # of its travel: with closed pins and the drive in place, only another assembly is so far off
-SUM = 10.0  # times the promise: to what errors within it add up over the joints of a body
+MIN_SHARE = 1e-6  # less is given in digits, not in per cent
+MAX_GAP = 1e-2  # of the travel of its points: a pin that gapes this far is no pin
+MAX_ERROR = 0.1  # of the scale or magnitude: what is so far off belongs to another motion
+BRANCH_TOL = 5e-2  # of its travel: with closed pins and the drive in place, only another assembly is so far off
+MAX_SUM = 10.0  # times the promise: to what errors within it add up over the joints of a body
 BALANCES = {
     "Newton": "forces and m a of {of} are out of balance by {worst} of the {relative_to}",
     "Euler": "moments and I alpha of {of} are out of balance by {worst} of the {relative_to}",
@@ -43,12 +43,14 @@ class CheckLimit(NamedTuple):
 def limits(settings: Settings) -> Iterator[CheckLimit]:
     """Yield what runs at these settings are held to, the worst first."""
     promise, drive = settings.promise, settings.drive_promise
-    off = "{of} deviates from the commanded position by {worst} of a {relative_to}"
-    yield CheckLimit("drive", drive, Status.inconsistent, off)
-    yield CheckLimit("closure", OPEN, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}")
+    text = "{of} deviates from the commanded position by {worst} of a {relative_to}"
+    yield CheckLimit("drive", drive, Status.inconsistent, text)
+    yield CheckLimit("closure", MAX_GAP, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}")
     yield CheckLimit("branch", 0.0, Status.wrong_branch, "with all joints closed, the {of} flips to another branch")
-    yield from (CheckLimit(check, SUM * promise, Status.inconsistent, sentence) for check, sentence in BALANCES.items())
-    yield from (CheckLimit(group, WORTHLESS, Status.inconsistent, ESTIMATED) for group in SHOWN_GROUPS)
+    yield from (
+        CheckLimit(check, MAX_SUM * promise, Status.inconsistent, sentence) for check, sentence in BALANCES.items()
+    )
+    yield from (CheckLimit(group, MAX_ERROR, Status.inconsistent, ESTIMATED) for group in SHOWN_GROUPS)
     promised = f"; at most {promise:g} is promised,"
     yield from (CheckLimit(group, promise, Status.inaccurate, ESTIMATED + promised) for group in SHOWN_GROUPS)
     opened = "the joints of {of} are open by {worst} of the {relative_to}" + promised
@@ -78,8 +80,8 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
     for point, names in scene.channels.points.items():
         places = [comparison.actual[channel] for channel in names.place if channel in comparison.actual]
         far = np.max(places, axis=0, initial=0.0)
-        if not far.max() <= ELSEWHERE:
-            first = scene.where(float(comparison.position[(~(far <= ELSEWHERE)).argmax()]))
+        if not far.max() <= BRANCH_TOL:
+            first = scene.where(float(comparison.position[(~(far <= BRANCH_TOL)).argmax()]))
             reason = f"{point} is {share(far.max())} of its travel away from the reference, first at {first}"
             return replace(run, status=Status.wrong_branch, reason=reason, found_by="reference")
     worst = {channel: float(error.max()) for channel, error in unexplained.items() if channel != scene.drive_channel}
@@ -106,7 +108,7 @@ def share(worst: float) -> str:
 
 def within(size: float) -> str:
     """A relative error as a bound: `0.0004 %`, rounded up, or `9 digits`."""
-    if size < PER_CENT:
+    if size < MIN_SHARE:
         return f"{digits(size)} digits"
     last = 10.0 ** floor(log10(100 * size))
     return f"{plainly(ceil(100 * size / last) * last, 1)} %"
@@ -114,7 +116,7 @@ def within(size: float) -> str:
 
 def sized(size: float) -> str:
     """A relative error as a size: `3.1 %`, or between two bounds."""
-    if size < PER_CENT:
+    if size < MIN_SHARE:
         return "less than 0.0001 %"
     return f"{plainly(100 * size, 2)} %" if size < 10 else "more than 1000 %"
 

@@ -16,7 +16,7 @@ from ..measure.many.family import Family
 from ..mechanics.axis import prefixed
 from ..study import Study
 from .linkage.drawing import Drawing
-from .linkage.svg import FRAMES, by_itself
+from .linkage.svg import MAX_FRAMES, by_itself
 from .numbers import units
 from .tables import family as family_tables
 from .tables import study as tables
@@ -47,7 +47,7 @@ class CheckResult(Study):
 
     def svg(self, *, moving: bool = True) -> str:
         """The linkage as one SVG for a slide, without a script: moving by itself, or at the first sample."""
-        return by_itself(Drawing(self.scene, self.motion, named=units(self.reference)), FRAMES if moving else 0)
+        return by_itself(Drawing(self.scene, self.motion, named=units(self.reference)), MAX_FRAMES if moving else 0)
 
     def plot(self, channel: str) -> "Figure":
         """A figure of a channel, as `P5.ay`, by the reference and every engine that has it, with their errors below.

@@ -47,13 +47,13 @@ class Frame(NamedTuple):
 def seen(channels: Channels, frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
     """Return channels as seen from another frame; a component without its other one is that of a vector along it."""
     way, turn, other = -1 if frame.mirrored else 1, np.exp(1j * frame.angle), dict(samples)
-    for name, own in samples.items():
+    for name, values in samples.items():
         channel = channels[name]
         is_moment = channel.role is Role.force and channel.unit == "N*m"
         if channel.is_angle:
-            other[name] = way * own + (0.0 if frame.relative and channel.role is Role.input else frame.angle)
+            other[name] = way * values + (0.0 if frame.relative and channel.role is Role.input else frame.angle)
         elif is_moment or channel.kind == "body" or (channel.role is Role.force and channel.kind == "guide"):
-            other[name] = way * own * (frame.factor if is_moment else 1.0)  # its sign is that of a turning
+            other[name] = way * values * (frame.factor if is_moment else 1.0)  # its sign is that of a turning
     for x, y in vectors(channels, samples):
         zero = 0 * samples[x if x in samples else y]
         vector = turn * (samples.get(x, zero) + way * 1j * samples.get(y, zero))

@@ -12,7 +12,7 @@ from scenes import InputError, Scene
 from scenes.channels import Role
 from scenes.model.motion import Samples
 
-LEVEL = 1e-12  # of a unit vector: a component that is less is none
+LEVEL_TOL = 1e-12  # of a unit vector: a component that is less is none
 
 
 def to_guides(scene: Scene, columns: dict[str, Samples], halves: dict[str, Samples], promise: float) -> None:
@@ -23,20 +23,20 @@ def to_guides(scene: Scene, columns: dict[str, Samples], halves: dict[str, Sampl
         given = next(name for name in names if name in columns)
         if (across := channels.guides[body].force) in columns:
             raise InputError(f"columns.{given}: expected it, or {across}, found both")
-        along, off = _along(scene, body, given, columns, halves)
+        along, error = _along(scene, body, given, columns, halves)
         zero = np.zeros_like(columns[given])
         for name, part in zip(names, (along.imag, along.real), strict=True):  # of the normal
-            if name not in columns and np.abs(part).max() > LEVEL:
+            if name not in columns and np.abs(part).max() > LEVEL_TOL:
                 raise InputError(f"columns.{given}: expected {name} too, as the guide is along no axis")
         force = columns.pop(names[0], zero) + 1j * columns.pop(names[1], zero)
         half = halves.pop(names[0], zero) + 1j * halves.pop(names[1], zero)
-        own = force * along.conj()
-        columns[across] = own.imag
+        in_guide = force * along.conj()
+        columns[across] = in_guide.imag
         halves[across] = half.real * np.abs(along.imag) + half.imag * np.abs(along.real)
         peak = np.abs(force).max()
-        beside = np.abs(own.real) - half.real - half.imag - (off + promise) * peak
-        if channels.find("guide", body, "friction_force") is None and beside.max() > 0:
-            share = np.abs(own.real).max() / peak
+        excess = np.abs(in_guide.real) - half.real - half.imag - (error + promise) * peak
+        if channels.find("guide", body, "friction_force") is None and excess.max() > 0:
+            share = np.abs(in_guide.real).max() / peak
             raise InputError(
                 f"columns.{given}: expected a force across the guide, found up to {share:.2g} of its largest along it"
             )

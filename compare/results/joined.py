@@ -34,14 +34,14 @@ def read_tables(
     if len(tables) == 1:
         return tables[0]
     common = [column for column in tables[0].columns if all(column in table.columns for table in tables)]
-    off = {column: text for column in common if (text := _apart(files, tables, column))}
+    differing = {column: text for column in common if (text := _apart(files, tables, column))}
     for column in common:
-        if column in off and column in instants:
-            raise InputError(off[column])
-    once = [column for column in common if column not in off and _runs(tables[0], column)]
+        if column in differing and column in instants:
+            raise InputError(differing[column])
+    once = [column for column in common if column not in differing and _runs(tables[0], column)]
     if not once:
         expected = f"{_shown(files)}: expected a column that all of them have, of their instants"
-        raise InputError(next(iter(off.values()), f"{expected}, found none"))
+        raise InputError(next(iter(differing.values()), f"{expected}, found none"))
     columns: dict[str, Sequence[str]] = {}
     for file, table in zip(files, tables, strict=True):
         for column, texts in zip(table.columns, table.texts, strict=True):

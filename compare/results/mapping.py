@@ -64,14 +64,14 @@ class MappingFile(FileTable):
 
 def mapping_of(scene: Scene, name: str, file: Path) -> tuple[MappingFile, str]:
     """Return how a result is read, and where that is written; without either all is as in this project's own files."""
-    beside = f"{file.parent / file.stem}.toml"
+    mapping_file = f"{file.parent / file.stem}.toml"
     in_scene = scene.tables.get("results", {}).get(name)
-    there = isfile(beside)  # noqa: PTH113 - Path raises for odd names
+    there = isfile(mapping_file)  # noqa: PTH113 - Path raises for odd names
     if there and in_scene is not None:
-        raise InputError(f"{one_line(beside)}: the scene has a mapping too, results.{name}; expected one of them")
+        raise InputError(f"{one_line(mapping_file)}: the scene has a mapping too, results.{name}; expected one of them")
     where, tables = f"{scene.file}: results.{name}", in_scene or {}
     if there:
-        where, tables = beside, read_toml(beside, {}, "mapping")
+        where, tables = mapping_file, read_toml(mapping_file, {}, "mapping")
     with at_place(one_line(where)):
         return validated(MappingFile, tables), where
 

@@ -16,8 +16,8 @@ from scenes.model.motion import Samples
 
 from .frame import vectors
 
-ROUND_OFF = 1e-11  # of the linkage's sizes: what is less moves only by round-off
-FLAT = 1e-9  # of a vector: a component that is less gives no direction
+ROUND_OFF_TOL = 1e-11  # of the linkage's sizes: what is less moves only by round-off
+FLAT_TOL = 1e-9  # of a vector: a component that is less gives no direction
 
 
 class ByLink(NamedTuple):
@@ -38,7 +38,7 @@ def moving(channels: Channels, true: Mapping[str, Samples]) -> dict[str, Samples
     length = largest.get("m", 0.0)
     for unit, size in (("N*m", largest.get("N", 0.0) * length), *_rates(largest, length)):
         largest[unit] = max(largest.get(unit, 0.0), size)
-    return {c: values for c, values in true.items() if np.ptp(values) > ROUND_OFF * largest[channels[c].unit]}
+    return {c: values for c, values in true.items() if np.ptp(values) > ROUND_OFF_TOL * largest[channels[c].unit]}
 
 
 def _rates(largest: Mapping[str, float], length: float) -> Iterator[tuple[str, float]]:
@@ -54,7 +54,7 @@ def left_by(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
     whole = (centred**2).sum(axis=1)
     first = base[np.argsort(-np.ptp(base, axis=1))]  # what stays comes last, as it gives no direction
     q, r = np.linalg.qr((first - first.mean(axis=1, keepdims=True)).T)
-    q = q[:, np.abs(np.diag(r)) > FLAT * np.abs(base).max()]
+    q = q[:, np.abs(np.diag(r)) > FLAT_TOL * np.abs(base).max()]
     share: Samples = 1 - ((centred @ q) ** 2).sum(axis=1) / np.where(whole > 0, whole, np.inf)
     return np.clip(np.where(whole > 0, share, 1.0), 0.0, 1.0)
 

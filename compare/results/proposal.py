@@ -23,20 +23,20 @@ from ..engines.registry import Solve, reference
 from .frame import KNOWN, OF_ANGLES, Frame, seen, unit_near, vectors
 from .joined import read_tables
 from .moving_axes import by_links, left_by, moving
-from .proposal_text import NOISE, NOTHING, SURE, TOLD_APART, Axis, Pair, as_toml
+from .proposal_text import MIN_RATIO_OF_READINGS, NOISE_TOL, NOTHING, SURE_TOL, Axis, Pair, as_toml
 from .result import name_and_files
 from .table import Table
 
 MAPPED = (Role.kinematic, Role.force, Role.friction)  # roles of channels that a column may be
 FEWEST, ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
-LATE = 24  # parts of a cycle in which the table may begin
+LAGS = 24  # parts of a cycle in which the table may begin
 PARTS, CLOSER = 6, 2  # of a step between lags, and how many of these are tried: the best one need not be the nearest
-FINEST = 11  # halvings of a cycle: by a third of a degree of a crank, instants may be told apart
+MAX_HALVINGS = 11  # of a cycle: by a third of a degree of a crank, instants may be told apart
 LEAST, MOST = 0.05, 1000.0  # cycles of the drive that a table is of: of next to none every channel is a line
-FITS = 1e-2  # of a column: what a channel leaves of it at most
-SAME = 1e-6  # of a column's square: what a vector leaves whose frame is looked for
-FRAME = 0.5  # the price of a turned or mirrored frame, as of a sign: columns may just as well be in another order
-SAME_UNIT = 2e-3  # relative: of a unit, a frame's angle
+FIT_TOL = 1e-2  # of a column: what a channel leaves of it at most
+SAME_TOL = 1e-6  # of a column's square: what a vector leaves whose frame is looked for
+PRICE_OF_FRAME = 0.5  # turned or mirrored, as of a sign: columns may just as well be in another order
+SAME_UNIT_TOL = 2e-3  # relative: of a unit, a frame's angle
 
 
 def proposed(scene: Scene, text: str) -> str:
@@ -55,26 +55,28 @@ def proposed(scene: Scene, text: str) -> str:
     time = axis.time + axis.lag
     true = solve(inputs_of(scene, time).driven().position, time).samples
     turn = _turn(scene.channels, true, columns[rest])
-    own = {c: np.unwrap(true[c]) if scene.channels[c].modulo_turn else true[c] for c in scene.channels.names(*MAPPED)}
+    unwrapped = {
+        c: np.unwrap(true[c]) if scene.channels[c].modulo_turn else true[c] for c in scene.channels.names(*MAPPED)
+    }
     ways = []
     for mirrored, angle in product((False, True), turn + pi / 2 * np.arange(4)):
-        theirs = seen(scene.channels, Frame(float(angle if mirrored else -angle), mirrored=mirrored), own)
+        theirs = seen(scene.channels, Frame(float(angle if mirrored else -angle), mirrored=mirrored), unwrapped)
         ways.append((*_paired(scene.channels, moving(scene.channels, theirs), columns[rest]), (float(angle), mirrored)))
-    best = min(ways, key=lambda way: way[1] + FRAME * any(way[2]))
+    best = min(ways, key=lambda way: way[1] + PRICE_OF_FRAME * any(way[2]))
     pairs, _, frame = next((way for way in ways if not any(way[2]) and _as_well(way[0], best[0])), best)
     left = {pair.column: pair.left for pair in pairs}
-    known = [min(SURE, max(left.get(k, 1.0), NOISE) / TOLD_APART) for k in range(len(rest))]
-    by_link = by_links(scene.channels, own, columns[rest], known)
+    known = [min(SURE_TOL, max(left.get(k, 1.0), NOISE_TOL) / MIN_RATIO_OF_READINGS) for k in range(len(rest))]
+    by_link = by_links(scene.channels, unwrapped, columns[rest], known)
     pairs = [pair for pair in pairs if pair.column not in {each.column for each in by_link}]
     return "\n".join(as_toml(scene, axis, [names[k] for k in rest], pairs, frame, by_link, alone=alone)) + "\n"
 
 
 def _as_well(pairs: Sequence[Pair], best: Sequence[Pair]) -> bool:
     """Return whether pairs fit all columns that the best ones do, as far as readings can be told apart."""
-    own = {pair.column: pair for pair in pairs}
+    by_column = {pair.column: pair for pair in pairs}
     return all(
-        (pair := own.get(other.column)) is not None
-        and pair.left <= TOLD_APART * max(other.left, NOISE)
+        (pair := by_column.get(other.column)) is not None
+        and pair.left <= MIN_RATIO_OF_READINGS * max(other.left, NOISE_TOL)
         and bool(pair.unit) >= bool(other.unit)
         for other in best
     )
@@ -104,10 +106,10 @@ def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
 def _counted_on(values: Samples) -> Samples:
     """Return a column counted on from turn to turn where it jumps by one, as an angle between -180 and 180 degrees."""
     for turn in (2 * pi / size for size in OF_ANGLES.values()):
-        on = np.unwrap(values, period=turn)
-        jump, step = np.abs(np.diff(values)).max(), np.abs(np.diff(on)).max()
-        if 4 * step < turn < jump + 2 * step and np.ptp(values) <= (1 + SAME_UNIT) * turn:
-            return on
+        continued = np.unwrap(values, period=turn)
+        jump, step = np.abs(np.diff(values)).max(), np.abs(np.diff(continued)).max()
+        if 4 * step < turn < jump + 2 * step and np.ptp(values) <= (1 + SAME_UNIT_TOL) * turn:
+            return continued
     return values
 
 
@@ -142,14 +144,14 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
         for vector, turns in dict.fromkeys((row.components or (row.name,), row.modulo_turn) for row in rows):
             base = np.array([true[name] for name in vector])
             leaves.append(left_by(np.unwrap(base) if turns else base, columns))
-        return np.asarray(np.min(leaves, axis=0) + NOISE**2)
+        return np.asarray(np.min(leaves, axis=0) + NOISE_TOL**2)
 
-    def mean(of: Axis) -> float:
-        return float(np.log10(np.delete(of.left, names.index(of.column))).mean())
+    def mean(candidate: Axis) -> float:
+        return float(np.log10(np.delete(candidate.left, names.index(candidate.column))).mean())
 
-    def as_good(one: Axis, best: Axis) -> bool:
+    def as_good(candidate: Axis, best: Axis) -> bool:
         """Return whether no column is left over that the best ones explain."""
-        return bool((one.left <= TOLD_APART**2 * best.left).all())
+        return bool((candidate.left <= MIN_RATIO_OF_READINGS**2 * best.left).all())
 
     def at(axis: Axis, lags: Iterable[float]) -> list[Axis]:
         """Return instants at lags; where the drive runs once, at those that are within the run."""
@@ -157,32 +159,34 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
         last = max(first, cycle - float(axis.time[-1]))
         return [axis._replace(lag=lag, left=left(axis, lag)) for lag in lags if repeats or first <= lag <= last]
 
-    def apart(one: Axis, other: Axis) -> bool:
+    def apart(candidate: Axis, other: Axis) -> bool:
         """Return whether their instants differ, where the drive repeats modulo a cycle."""
-        by = (one.time + one.lag - other.time - other.lag) / cycle
-        return bool(np.abs(by - np.round(by) * repeats).max() > SAME_UNIT / (2 * pi))
+        lag = (candidate.time + candidate.lag - other.time - other.lag) / cycle
+        return bool(np.abs(lag - np.round(lag) * repeats).max() > SAME_UNIT_TOL / (2 * pi))
 
-    most = MOST if repeats else 1 + SAME
+    most = MOST if repeats else 1 + SAME_TOL
     axes = [axis for axis in _axes(scene, names, columns) if LEAST <= np.ptp(axis.time) / cycle <= most]
     if not axes or len(names) < 2:
         raise InputError("expected a column that rises as the time does, or turns as the crank does, and another")
-    steps, finer = cycle / LATE * np.arange(LATE), cycle / (LATE * PARTS)
-    tried = [one for axis in axes for one in at(axis, (0.0, *(steps if repeats else steps - axis.time[0])))]
+    steps, finer = cycle / LAGS * np.arange(LAGS), cycle / (LAGS * PARTS)
+    tried = [candidate for axis in axes for candidate in at(axis, (0.0, *(steps if repeats else steps - axis.time[0])))]
     closer = finer * np.arange(-PARTS, PARTS + 1)
     firsts = sorted(tried, key=mean)[:CLOSER]
-    near = min((min(at(one, one.lag + closer), key=mean, default=one) for one in firsts), key=mean)
+    near = min(
+        (min(at(candidate, candidate.lag + closer), key=mean, default=candidate) for candidate in firsts), key=mean
+    )
     bounds, options = (near.lag - finer, near.lag + finer), {"xatol": 1e-9 * cycle}
     refined = minimize_scalar(
-        lambda by: min(map(mean, at(near, [by])), default=0.0), bounds=bounds, method="bounded", options=options
+        lambda shift: min(map(mean, at(near, [shift])), default=0.0), bounds=bounds, method="bounded", options=options
     )
     plain = at(near, (0.0, near.lag, float(refined.x)))
     best = min(plain, key=mean)
-    best = next(one for one in plain if as_good(one, best))
-    moves = [way * cycle / 2**k for k in range(1, FINEST) for way in (1, -1)]
-    tried += at(best, [best.lag + by for by in (*moves, *steps)])
+    best = next(candidate for candidate in plain if as_good(candidate, best))
+    moves = [way * cycle / 2**k for k in range(1, MAX_HALVINGS) for way in (1, -1)]
+    tried += at(best, [best.lag + move for move in (*moves, *steps)])
     lag = best.lag - cycle if repeats and best.lag > cycle / 2 else best.lag
     # a point on the crank alone does not show a lag: it may as well be the turn of a frame
-    return best._replace(lag=lag), not any(as_good(one, best) and apart(one, best) for one in tried)
+    return best._replace(lag=lag), not any(as_good(candidate, best) and apart(candidate, best) for candidate in tried)
 
 
 def _turn(channels: Channels, true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
@@ -192,12 +196,14 @@ def _turn(channels: Channels, true: Mapping[str, Samples], columns: NDArray[np.f
         base = np.array([true[x], true[y]])
         base = base - base.mean(axis=1, keepdims=True)
         if np.linalg.cond(base) < 1e3:
-            for column in columns[left_by(base, columns) < SAME]:
+            for column in columns[left_by(base, columns) < SAME_TOL]:
                 a, b = np.linalg.lstsq(base.T, column - column.mean(), rcond=None)[0]
                 angles.append(4 * np.arctan2(b, a))
     apart = np.abs(np.angle(np.exp(1j * np.subtract.outer(angles, angles))))
-    turn = float(np.angle(np.exp(1j * angles[int((apart <= SAME_UNIT).sum(axis=1).argmax())]))) / 4 if angles else 0.0
-    return turn if abs(turn) > SAME_UNIT else 0.0
+    turn = (
+        float(np.angle(np.exp(1j * angles[int((apart <= SAME_UNIT_TOL).sum(axis=1).argmax())]))) / 4 if angles else 0.0
+    )
+    return turn if abs(turn) > SAME_UNIT_TOL else 0.0
 
 
 def _paired(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[list[Pair], float]:
@@ -211,7 +217,7 @@ def _paired(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np
     for k, c in zip(rows, chosen, strict=True):
         second = min((p.left for n, p in enumerate(fits[k]) if n != c and p.unit), default=1.0)
         pairs.append(fits[k][c]._replace(second=second))
-    return [pair for pair in pairs if pair.left <= FITS], float(costs[rows, chosen].sum())
+    return [pair for pair in pairs if pair.left <= FIT_TOL], float(costs[rows, chosen].sum())
 
 
 def _pairs(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:
@@ -223,14 +229,14 @@ def _pairs(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np.
     zeros = columns.mean(axis=1)[:, np.newaxis] - p * values.mean(axis=1)
     whole = (c**2).sum(axis=1)[:, np.newaxis]
     left = np.sqrt(np.clip(1 - p**2 * squares / np.where(whole > 0, whole, np.inf), 0.0, 1.0))
-    hair = np.maximum(TOLD_APART * left, NOISE) * np.abs(columns).max(axis=1, keepdims=True)
+    hair = np.maximum(MIN_RATIO_OF_READINGS * left, NOISE_TOL) * np.abs(columns).max(axis=1, keepdims=True)
     fits = np.stack([p, left, zeros, hair], axis=2).tolist()
     return [[_pair(channels[c], k, *fit) for c, fit in zip(seen, row, strict=True)] for k, row in enumerate(fits)]
 
 
 def _pair(channel: Channel, column: int, p: float, left: float, zero: float, hair: float) -> Pair:
     """Return how a column fits a channel; without a unit where it fits in none that is known."""
-    unit = unit_near(p, channel.unit, max(SAME_UNIT, left))
+    unit = unit_near(p, channel.unit, max(SAME_UNIT_TOL, left))
     zero = remainder(zero, 2 * pi * abs(p)) if channel.modulo_turn and p else zero
     zero = zero if abs(zero) > hair else 0.0
     return Pair(channel.name, column, left, unit, 1 if p > 0 else -1, zero)
@@ -239,4 +245,4 @@ def _pair(channel: Channel, column: int, p: float, left: float, zero: float, hai
 def _cost(channel: Channel, pair: Pair) -> float:
     """Return the price of a pair: what it leaves, in powers of ten, an unknown unit, an opposite sign, a zero."""
     odd_zero = bool(pair.zero) and channel.order != 0
-    return float(np.log10(pair.left + NOISE)) + 4 * (not pair.unit) + 0.5 * (pair.sign < 0) + 0.5 * odd_zero
+    return float(np.log10(pair.left + NOISE_TOL)) + 4 * (not pair.unit) + 0.5 * (pair.sign < 0) + 0.5 * odd_zero

@@ -14,10 +14,10 @@ from scenes.model.motion import Samples
 from .frame import KNOWN, LENGTHS, OF_ANGLES
 from .moving_axes import ByLink
 
-SAME_ZERO = 2e-3  # relative: places of one origin
-SURE = 1e-3  # of a column: what its channel leaves at most
-NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
-TOLD_APART = 10  # times as much is left by readings that a column tells apart
+SAME_ZERO_TOL = 2e-3  # relative: places of one origin
+SURE_TOL = 1e-3  # of a column: what its channel leaves at most
+NOISE_TOL = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
+MIN_RATIO_OF_READINGS = 10  # of what is left by readings that a column tells apart
 NOTHING = np.zeros(0)
 
 
@@ -63,10 +63,10 @@ def as_toml(
     if not alone:
         yield "# Unsure throughout: at other instants, or in another frame, the channels fit these columns as well."
     origin = _origin(scene.channels, pairs)
-    at = complex(*(-o for o in origin)) if origin else 0j
-    at = (at.conjugate() if mirrored else at) * np.exp(1j * turn)
-    if turn or mirrored or at:
-        place = f"origin = [{at.real:.9g}, {at.imag:.9g}], angle = {turn:.9g}"
+    shift = complex(*(-o for o in origin)) if origin else 0j
+    shift = (shift.conjugate() if mirrored else shift) * np.exp(1j * turn)
+    if turn or mirrored or shift:
+        place = f"origin = [{shift.real:.9g}, {shift.imag:.9g}], angle = {turn:.9g}"
         yield f"frame = {{ {place}, mirrored = {str(mirrored).lower()} }}"
     yield "[columns]"
     if axis.channel == "time":
@@ -77,7 +77,10 @@ def as_toml(
     sure = {  # in a known unit, and far better than by the next best channel
         pair.channel
         for pair in pairs
-        if alone and pair.unit and pair.left <= SURE and TOLD_APART * max(pair.left, NOISE) <= pair.second
+        if alone
+        and pair.unit
+        and pair.left <= SURE_TOL
+        and MIN_RATIO_OF_READINGS * max(pair.left, NOISE_TOL) <= pair.second
     }
     for pair in sorted(pairs, key=lambda pair: scene.channels.names().index(pair.channel)):
         channel = scene.channels[pair.channel]
@@ -89,8 +92,8 @@ def as_toml(
         line = _line(pair.channel, names[pair.column], pair.unit, pair.sign, 0.0 if free else pair.zero, channel.unit)
         yield f"{line}  # {remark}"
     for each in by_link:
-        what = f"{', '.join(each.vector)} by the axes of {each.body}"
-        yield f"# No mapping reads {names[each.column]}: it is of {what}, not the ground's; leaves {each.left:.0e}"
+        vectors = f"{', '.join(each.vector)} by the axes of {each.body}"
+        yield f"# No mapping reads {names[each.column]}: it is of {vectors}, not the ground's; leaves {each.left:.0e}"
     left_over = {*range(len(names))} - {pair.column for pair in pairs} - {each.column for each in by_link}
     if left_over:
         yield f"# Fits no channel: {', '.join(names[k] for k in sorted(left_over))}"
@@ -110,6 +113,8 @@ def _origin(channels: Channels, pairs: Sequence[Pair]) -> tuple[float, float] | 
         channel = channels[pair.channel]
         if channel.axis and channel.order == 0:
             zeros[channel.axis].append(pair.sign * pair.zero * LENGTHS.get(pair.unit, 1.0))
-    if not all(zeros.values()) or any(np.ptp(own) > SAME_ZERO * max(1e-3, np.abs(own).max()) for own in zeros.values()):
+    if not all(zeros.values()) or any(
+        np.ptp(values) > SAME_ZERO_TOL * max(1e-3, np.abs(values).max()) for values in zeros.values()
+    ):
         return None
     return float(np.median(zeros["x"])), float(np.median(zeros["y"]))

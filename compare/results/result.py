@@ -31,8 +31,8 @@ from .table import Table
 
 Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
 
-EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ; and of a cycle its end
-BEYOND = 1e-2  # of a cycle: so far decimals may put a row outside the run of the drive
+EQUAL_STEP_TOL = 1e-6  # of the last decimal: how far equal steps as written may differ; and of a cycle its end
+MAX_BEYOND_RUN = 1e-2  # of a cycle: so far decimals may put a row outside the run of the drive
 
 
 @dataclass(frozen=True)
@@ -131,29 +131,31 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
         columns = {c: _backwards(scene.channels[c], values) for c, values in columns.items()}
         halves = {c: values[::-1] for c, values in halves.items()}
         numbers = numbers[::-1]
-    by = scene.drive_channel
-    with_drive = by in columns
+    drive_channel = scene.drive_channel
+    with_drive = drive_channel in columns
     notes = [f"{name}: {left_out}"] * bool(left_out)
     if "time" in columns and rows > 2 and columns["time"][-1] == columns["time"][-2]:  # as some write the end twice
-        columns, halves = ({c: values[:-1] for c, values in of.items()} for of in (columns, halves))
+        columns, halves = ({c: values[:-1] for c, values in table.items()} for table in (columns, halves))
         notes.append(f"{name} has its last instant twice; the second row of it is left out")
         numbers, rows = numbers[:-1], rows - 1
     _on_time(scene, columns, halves, numbers)
-    own = frozenset(columns) - {"time", by}
-    if not own:
-        raise InputError(f"columns: expected one channel more than the time and {by} at least")
+    measured = frozenset(columns) - {"time", drive_channel}
+    if not measured:
+        raise InputError(f"columns: expected one channel more than the time and {drive_channel} at least")
     drive = inputs_of(scene, columns["time"]).driven().position
     cycles = f"{np.ptp(columns['time']) / scene.cycle:.2g}"
     length = f"{cycles} cycle{'s' * (cycles != '1')} of the drive"
-    over = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
-    notes.insert(0, f"{name} has {rows} {over}")
-    if (count := len(own.intersection(known))) < len(known):
+    extent = f"row{'s' * (rows != 1)}, over {length}, from {scene.where(float(drive[0]))} on"
+    notes.insert(0, f"{name} has {rows} {extent}")
+    if (count := len(measured.intersection(known))) < len(known):
         notes.append(f"{name} gives {count} of {len(known)} channels; it was not asked for the others")
-    if by in columns and scene.drive.slide is None:  # counted on from turn to turn, whatever turn each row is in
-        columns[by] += 2 * np.pi * np.round((drive - columns[by]) / (2 * np.pi))
+    if (
+        drive_channel in columns and scene.drive.slide is None
+    ):  # counted on from turn to turn, whatever turn each row is in
+        columns[drive_channel] += 2 * np.pi * np.round((drive - columns[drive_channel]) / (2 * np.pi))
     if not with_drive:
-        notes.append(f"{name} gives no {by}; it is taken as commanded")
-    motion = Motion({c: columns.get(c, drive) for c in names if c in columns or c == by})
+        notes.append(f"{name} gives no {drive_channel}; it is taken as commanded")
+    motion = Motion({c: columns.get(c, drive) for c in names if c in columns or c == drive_channel})
     origin = Provenance(
         ", ".join(file.name for file in files),
         promise=mapping.promise,
@@ -166,7 +168,7 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
         mapping=mapping.model_dump(exclude_defaults=True, exclude={"made_by", "made_with", "promise"}),
     )
     run = Run(name, origin, Status.ok, version=origin.made_with, motion=motion)
-    return Result(run, Instants(tuple(columns["time"].tolist()), channels=own), halves, tuple(notes))
+    return Result(run, Instants(tuple(columns["time"].tolist()), channels=measured), halves, tuple(notes))
 
 
 def _readable(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
@@ -198,10 +200,10 @@ def _in_si(scene: Scene, table: Table, mapping: MappingFile) -> tuple[Columns, C
     for channel, given in mapping.columns.items():
         column = _named(given)
         values, half = table.numbers(column.column)
-        by = units[si := scene.channels[channel].unit]
+        size = units[si := scene.channels[channel].unit]
         if column.unit is not None:
-            by = factor(column.unit, si, f"{channel}, as {si} is", f"columns.{channel}.unit")
-        columns[channel], halves[channel] = column.sign * by * (values - column.zero), by * half
+            size = factor(column.unit, si, f"{channel}, as {si} is", f"columns.{channel}.unit")
+        columns[channel], halves[channel] = column.sign * size * (values - column.zero), size * half
     return columns, halves
 
 
@@ -239,26 +241,26 @@ def _on_time(scene: Scene, columns: Columns, halves: Columns, rows: NDArray[np.i
 
     `rows` are the numbers of the rows in the file; where one is left out, a step is over two of them.
     """
-    law, by = scene.drive.law, scene.drive_channel
+    law, drive_channel = scene.drive.law, scene.drive_channel
     if "time" not in columns:
         if not isinstance(law, ConstantSpeed):
             raise InputError("columns.time: missing; the drive follows a motion law")
-        if by not in columns:
-            raise InputError(f"columns: expected time, or {by}")
-        position = columns.pop(by)
+        if drive_channel not in columns:
+            raise InputError(f"columns: expected time, or {drive_channel}")
+        position = columns.pop(drive_channel)
         if scene.drive.slide is None and not (np.diff(position) * law.speed > 0).all():
             position = np.unwrap(position)  # it is counted modulo one turn
         columns["time"] = (position - law.start) / law.speed
-        halves["time"] = halves.pop(by) / abs(law.speed)
+        halves["time"] = halves.pop(drive_channel) / abs(law.speed)
     steps = np.diff(columns["time"])
     if not (steps > 0).all():
         row = int((~(steps > 0)).argmax())
         way = "; 'backwards' reads a drive that runs the other way" if (steps < 0).all() else ""
         raise InputError(f"row {rows[row + 1]}: expected a later instant than in the row before{way}")
     first, last = columns["time"][0], columns["time"][-1]
-    hair = min(halves["time"].max(), BEYOND * scene.cycle) + EQUAL * scene.cycle
+    hair = min(halves["time"].max(), MAX_BEYOND_RUN * scene.cycle) + EQUAL_STEP_TOL * scene.cycle
     if not (scene.periodic or (first >= -hair and last <= scene.cycle + hair)):
         runs = f"from 0 to {scene.cycle:g} s, while the drive runs"
         raise InputError(f"time: expected instants {runs}, found {first:g} s to {last:g} s; its 'zero' shifts them")
-    if len(steps) > 1 and np.ptp(steps / np.abs(np.diff(rows))) <= EQUAL * 2 * halves["time"].max():
+    if len(steps) > 1 and np.ptp(steps / np.abs(np.diff(rows))) <= EQUAL_STEP_TOL * 2 * halves["time"].max():
         halves["time"] = np.zeros(len(steps) + 1)  # equal steps as written are not rounded

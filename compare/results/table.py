@@ -15,9 +15,9 @@ from scenes.errors import nearest, one_line
 from scenes.file.toml import read_text
 from scenes.model.motion import Samples
 
-from ..engines.runner import LARGEST
+from ..engines.runner import MAX_NUMBER
 
-BYTES = 50_000_000  # reading a table takes 3 s for every ten megabytes
+MAX_BYTES = 50_000_000  # reading a table takes 3 s for every ten megabytes
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 BLANKS = r"\s+"  # one or more of them between columns, where no name has any
 TO_E = str.maketrans("dD", "ee")  # of powers of ten as Fortran writes them
@@ -40,9 +40,9 @@ class Table:
         texts = self._texts(column)
         values = [float(text.translate(TO_E)) if NUMBER.fullmatch(text) else np.inf for text in texts]
         for row, text in enumerate(texts):
-            if not abs(values[row]) <= LARGEST:
+            if not abs(values[row]) <= MAX_NUMBER:
                 where = f"row {self.rows[row]}, column '{one_line(column, 60)}'"
-                raise InputError(f"{where}: expected a number up to {LARGEST:g}, found {_shown(text)}")
+                raise InputError(f"{where}: expected a number up to {MAX_NUMBER:g}, found {_shown(text)}")
         likes = texts  # of a column of one number, whose own digits show nothing, all that are in the file
         if len(set(texts)) == 1:
             likes = [each[row] for each in self.texts for row in (0, -1) if NUMBER.fullmatch(each[row])]
@@ -68,8 +68,8 @@ class Table:
         texts = [[column[row] for row in kept] for column in self.texts]
         first = min(lack)
         numbers = ", ".join(str(self.rows[row]) for row in sorted(lack))
-        which = f"row {numbers} is" if len(lack) == 1 else f"rows {one_line(numbers, 60)} are"
-        why = f"{which} left out, {len(lack)} of {len(self.rows)}: in row {self.rows[first]} {lack[first]}"
+        listed = f"row {numbers} is" if len(lack) == 1 else f"rows {one_line(numbers, 60)} are"
+        why = f"{listed} left out, {len(lack)} of {len(self.rows)}: in row {self.rows[first]} {lack[first]}"
         return replace(self, texts=texts, rows=[self.rows[row] for row in kept]), why
 
     def _texts(self, column: str) -> Sequence[str]:
@@ -101,7 +101,7 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     import pandas as pd  # late: most runs read no table
 
     try:
-        text = read_text(path, BYTES).replace("\r\n", "\n").replace("\r", "\n")
+        text = read_text(path, MAX_BYTES).replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError:
         raise InputError("no such file") from None
     if "\0" in text:

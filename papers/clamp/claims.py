@@ -67,12 +67,12 @@ def _by_engine(engine: str) -> Iterator[Claim]:
             yield replace(row, claim=f"{row.claim}, {engine}", note=f"to {engine}'s tolerance of {tolerance:.0e}")
     ratio, way = v["v_m"] / v["V_o"], slice(ENGINE_SAMPLES, None)  # of scheme 4, the second
     open_ratio = float(v["S_m"][way][0] / v["S_o"][way][0])
-    off = largest(VELOCITY_RATIO.printed(v))
+    deviation = largest(VELOCITY_RATIO.printed(v))
     yield comparison(
         f"simulated R_V, as ADAMS, {engine}",
         "within 1.2 %",
-        [off <= 0.012],
-        f"within {100 * off:.1e} %; scheme 4: R_S {open_ratio:.5f}, R_V max {ratio[way].max():.4f}",
+        [deviation <= 0.012],
+        f"within {100 * deviation:.1e} %; scheme 4: R_S {open_ratio:.5f}, R_V max {ratio[way].max():.4f}",
         "of v_o, at default settings; the formula is exact, and 1.2 % are far more than an integration leaves",
     )
 
@@ -95,7 +95,7 @@ def figures() -> Iterator[tuple[str, str, Figure]]:
         ratio, left = velocity_ratio(pose), platen_stroke(pose)
         way, line = left[0] - left, {"color": colour(number), "width": 1.8}
         draw(ratios, name, way, ratio, line=line)
-        printed = [float(TABLE_1[what][name]) for what in ("R_V max", "R_V startup")]
+        printed = [float(TABLE_1[row][name]) for row in ("R_V max", "R_V startup")]
         there, circle = way[[int(ratio.argmax()), 0]], marker(number, "circle-open", 9)
         draw(ratios, f"{name}, printed", there, printed, mode="markers", marker=circle)
         draw(accelerations, name, way, acceleration(pose, SPEED), line=line | {"dash": "solid"})

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import formulas
 from .formulas import DEGREE, INITIAL, SCHEME_4, Array, Design
-from .printed import LARGEST_OPENING, LARGEST_PHI, LARGEST_STROKE_RATIO, LENGTH_RATIO, PLATEN_STROKE
+from .printed import LARGEST_OPENING, LARGEST_PHI, LENGTH_RATIO, MAX_STROKE_RATIO, PLATEN_STROKE
 
 LENGTH = 100.0  # mm, that slacks of lengths are relative to
 
@@ -74,7 +74,7 @@ PRINTED: Mapping[str, Callable[[Design, Clearance], Array]] = {
     "phi <= 85 deg, open": lambda d, _: _below(formulas.sine_phi(d, d.alpha_max)),
     "S_m >= 500 mm": lambda d, _: (formulas.platen_stroke(formulas.opened(d)) - PLATEN_STROKE[0]) / PLATEN_STROKE[1],
     STROKE: lambda d, _: (PLATEN_STROKE[1] - formulas.platen_stroke(formulas.opened(d))) / PLATEN_STROKE[1],
-    RATIO: lambda d, _: LARGEST_STROKE_RATIO - formulas.stroke_ratio(d),
+    RATIO: lambda d, _: MAX_STROKE_RATIO - formulas.stroke_ratio(d),
 }
 
 

@@ -132,7 +132,9 @@ def velocity_ratio(p: Pose) -> Array:
 def acceleration(p: Pose, Vo: float = 1.0, *, printed: bool = False) -> Array:
     """Return a_m at a constant speed of the crosshead, corrected or as printed; at speed one that is a_m / v_o^2."""
     d = p.d
-    w1, w4 = (Vo * of / sin(p.ear + p.phi) for of in (cos(p.phi) / d.L5, cos(p.ear) / d.L4))  # of the links at A and E
+    w1, w4 = (
+        Vo * ratio / sin(p.ear + p.phi) for ratio in (cos(p.phi) / d.L5, cos(p.ear) / d.L4)
+    )  # of the links at A and E
     w2 = d.L1 * w1 * cos(p.bar) / (d.L2 * cos(p.beta))
     e1 = (d.L5 * w1**2 * cos(p.ear + p.phi) - d.L4 * w4**2) / (d.L5 * sin(p.ear + p.phi))
     of_B = d.L1 * e1 * sin(p.bar + p.beta) - d.L1 * w1**2 * cos(p.bar + p.beta)

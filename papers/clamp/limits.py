@@ -74,13 +74,13 @@ def _ranges(name: str, design: Corners) -> Iterator[Claim]:
         "L1/L2": (MEASURES["L1/L2"].of, *printed.LENGTH_RATIO, "0.7 ≤ L1/L2 ≤ 0.85"),
         "φ_max": (lambda d: at(d, 0.0).phi / DEGREE, 0.0, printed.LARGEST_PHI, "φ_max ≤ 85°"),
         "S_m": (MEASURES["S_m"].of, *printed.PLATEN_STROKE, "500 ≤ S_m ≤ 600 mm"),
-        "R_S": (MEASURES["R_S"].of, 0.0, printed.LARGEST_STROKE_RATIO, "R_S ≤ 1.12"),
+        "R_S": (MEASURES["R_S"].of, 0.0, printed.MAX_STROKE_RATIO, "R_S ≤ 1.12"),
     }
-    for what, (quantity, low, high, text) in quantities.items():
+    for label, (quantity, low, high, text) in quantities.items():
         face, (least, most) = design.over(quantity)
         nearest = max(low - least, least - high), max(low - most, most - high)
         yield limit(
-            f"constraint on {what}, {name}",
+            f"constraint on {label}, {name}",
             text,
             max(low - face, face - high),
             (min(nearest), max(nearest)),

@@ -70,31 +70,31 @@ def corners(name: str) -> Corners:
     d = Design(*(UNITS * (values + halves * signs)).T)
     locks = assembles(d)
     # L3 takes no part in the motion: every corner of the others stands here twice.
-    return Corners(Design(*(of[locks] for of in d)), int(locks[1:].sum()) // 2)
+    return Corners(Design(*(values[locks] for values in d)), int(locks[1:].sum()) // 2)
 
 
 def table_1(known: Mapping[str, Corners]) -> Iterator[Claim]:
     """A row for each entry of table 1."""
     for name, design in known.items():
-        for what, (quantity, reading) in QUANTITIES.items():
+        for row, (quantity, reading) in QUANTITIES.items():
             face, allowed = design.over(quantity)
-            note = joined(reading, _about_force_ratio(name) if what == "M_P" else "")
-            yield number(f"table 1 {what}, {name}", TABLE_1[what][name], face, allowed=[allowed], note=note)
+            note = joined(reading, _about_force_ratio(name) if row == "M_P" else "")
+            yield number(f"table 1 {row}, {name}", TABLE_1[row][name], face, allowed=[allowed], note=note)
     for name in known:
         yield _together(name)
     yield from _accelerations(known)
-    for what, printed in TABLE_1.items():
+    for row, printed in TABLE_1.items():
         change = 100 * (float(printed["scheme 4"]) / float(printed["initial"]) - 1)
         note = "from the two printed values, %"
-        if what in QUANTITIES:
-            before, after = (design.over(QUANTITIES[what][0])[0] for design in known.values())
+        if row in QUANTITIES:
+            before, after = (design.over(QUANTITIES[row][0])[0] for design in known.values())
             note += f"; {100 * (after / before - 1):+.1f} from the computed ones"
-        yield number(f"table 1 change of {what}", printed["change"], change, among_printed=True, scale=100, note=note)
+        yield number(f"table 1 change of {row}", printed["change"], change, among_printed=True, scale=100, note=note)
 
 
 def _together(name: str) -> Claim:
     """The row on whether one clamp within the rounding of table 2 has all that table 1 prints, but for a_m."""
-    wanted = [(quantity, TABLE_1[what][name]) for what, (quantity, _) in QUANTITIES.items()]
+    wanted = [(quantity, TABLE_1[row][name]) for row, (quantity, _) in QUANTITIES.items()]
     clamp = one_for_all(name, wanted)
     values = ", ".join(f"{variable} {value:.7g}" for variable, value in (clamp or {}).items())
     return comparison(
@@ -112,7 +112,7 @@ def one_for_all(name: str, wanted: Sequence[tuple[Measured, str]]) -> dict[str, 
     nowhere, which proves nothing.
     """
     centre, halves = values_and_halves(name)
-    target, units = (np.array([of(text) for _, text in wanted]) for of in (float, half_unit))
+    target, units = (np.array([number_of(text) for _, text in wanted]) for number_of in (float, half_unit))
     n = len(centre)
 
     def clamp(x: Array) -> Design:
@@ -123,11 +123,11 @@ def one_for_all(name: str, wanted: Sequence[tuple[Measured, str]]) -> dict[str, 
         """Return by how much all stay within the most, the last of x, above and below, in half units."""
         d = clamp(x)
         numbers = np.array([quantity(d) for quantity, _ in wanted])
-        off = np.concatenate([(d / UNITS - centre) / halves, (numbers - target) / units])
-        return np.concatenate([x[n] - off, x[n] + off])
+        deviation = np.concatenate([(d / UNITS - centre) / halves, (numbers - target) / units])
+        return np.concatenate([x[n] - deviation, x[n] + deviation])
 
-    start, within = np.append(np.zeros(n), 1.0), {"type": "ineq", "fun": room}
-    end = minimize(lambda x: x[n], start, constraints=within, method="SLSQP")
+    start, bounds = np.append(np.zeros(n), 1.0), {"type": "ineq", "fun": room}
+    end = minimize(lambda x: x[n], start, constraints=bounds, method="SLSQP")
     if not (end.success and end.x[n] <= 1):
         return None
     return dict(zip(Design._fields, (clamp(end.x) / UNITS).tolist(), strict=True))
@@ -180,15 +180,20 @@ def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> Spans:
     """What each reading gives for each design at face value, mm/s^2, and how far scheme 4 is above the initial, %."""
     strokes = {name: formulas.at(d, d.alpha_max * np.linspace(0, 1, ALPHAS)) for name, d in PUBLISHED.items()}
     values = {
-        f"{form}, {text}": {name: of(formulas.acceleration(p, SPEED, printed=as_is)) for name, p in strokes.items()}
+        f"{form}, {text}": {
+            name: by_design(formulas.acceleration(p, SPEED, printed=as_is)) for name, p in strokes.items()
+        }
         for form, as_is in (("as corrected", False), ("as printed", True))
-        for text, of in readings.items()
+        for text, by_design in readings.items()
     }
-    return {text: of | {"change": 100 * (of["scheme 4"] / of["initial"] - 1)} for text, of in values.items()}
+    return {
+        text: by_design | {"change": 100 * (by_design["scheme 4"] / by_design["initial"] - 1)}
+        for text, by_design in values.items()
+    }
 
 
 def _listed(spans: Spans) -> str:
-    return ", ".join(f"{of['change']:+.1f} {text}" for text, of in spans.items())
+    return ", ".join(f"{span['change']:+.1f} {text}" for text, span in spans.items())
 
 
 def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:
@@ -221,13 +226,13 @@ def table_2(known: Mapping[str, Corners]) -> Iterator[Claim]:
 
 def measured(design: Corners) -> Iterator[Claim]:
     """What the source measured on scheme 4 beside ours."""
-    for what, printed in MEASURED.items():
-        face, allowed = design.over(QUANTITIES[what][0])
+    for row, printed in MEASURED.items():
+        face, allowed = design.over(QUANTITIES[row][0])
         from_ours, from_theirs = (
-            100 * (float(printed) / value - 1) for value in (face, float(TABLE_1[what]["scheme 4"]))
+            100 * (float(printed) / value - 1) for value in (face, float(TABLE_1[row]["scheme 4"]))
         )
         note = f"{from_ours:+.1f} % from the computed value, {from_theirs:+.1f} % from the printed prediction"
-        yield number(f"measured {what}", printed, face, allowed=[allowed], note=note)
+        yield number(f"measured {row}", printed, face, allowed=[allowed], note=note)
     thrust = 4500 / design.over(QUANTITIES["M_P"][0])[0]
     yield comparison(
         "measured clamping force",

@@ -58,8 +58,8 @@ def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
         note=f"the printed l₄ misses that pose by {L4 - closure:.2f} mm; P1 fits the other lengths to"
         f" {abs(from_lowest - L2 + L0):.0e} mm",
     )
-    for what, off in zip(("P3 and P4 off the y axis", "P2 off the line P1-P3"), _off_lines(), strict=True):
-        yield number(f"geometry, {what} when the slider is lowest [mm]", "0", off, among_printed=True, scale=L0)
+    for gap, distance in zip(("P3 and P4 off the y axis", "P2 off the line P1-P3"), _off_lines(), strict=True):
+        yield number(f"geometry, {gap} when the slider is lowest [mm]", "0", distance, among_printed=True, scale=L0)
     closed = press("toggle_press", {PATHS[4]: closure})
     yield number(
         "stroke [mm]",
@@ -177,8 +177,8 @@ def _over_the_turn(closing: Side, opening: Side) -> Iterator[Samples]:
 def _family() -> Figure:
     figure = stacked()
 
-    def add(name: str, of: Press, line: dict[str, object]) -> None:
-        angles, heights, _ = _over_the_turn(of.before, of.after)
+    def add(name: str, run: Press, line: dict[str, object]) -> None:
+        angles, heights, _ = _over_the_turn(run.before, run.after)
         draw(figure, name, angles, heights, line={"width": 1.5} | line)
 
     add("as printed", press("toggle_press"), {"color": GREY, "width": 3})

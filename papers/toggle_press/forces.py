@@ -20,7 +20,7 @@ from scenes import Motion, Sampling, Scene, load
 from scenes.elements.loads import Force
 from scenes.model.motion import Samples
 
-from ..claims import EXACT, Claim, Scale, Verdict, judge, largest
+from ..claims import EQUATION_TOL, Claim, Scale, Verdict, judge, largest
 from ..written import Difference, Equation, Symbols
 from .kinematics import bars
 
@@ -90,13 +90,13 @@ def claims() -> Iterator[Claim]:
     signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]  # shape (13, m, 1)
     every = _signed(given, signs)
     scale = scale_of(given)
-    off = {e.claim: np.abs(e.printed(every)).max(axis=-1) / scale[e.kind][0] for e in EQUATIONS}
-    shared = int(np.argmax(sum(residuals <= EXACT for residuals in off.values())))
+    residual_of = {e.claim: np.abs(e.printed(every)).max(axis=-1) / scale[e.kind][0] for e in EQUATIONS}
+    shared = int(np.argmax(sum(residuals <= EQUATION_TOL for residuals in residual_of.values())))
     chosen = _signed(given, signs[:, shared, :])
     reversed_ = ", ".join(name for name, sign in zip(FORCES, signs[:, shared, 0], strict=False) if sign < 0)
     for each in EQUATIONS:
         row = judge(each, chosen, scale)
-        if row.verdict is not Verdict.HOLDS and float(off[each.claim].min()) <= EXACT:
+        if row.verdict is not Verdict.HOLDS and float(residual_of[each.claim].min()) <= EQUATION_TOL:
             row = replace(row, verdict=Verdict.INCONSISTENT, note="holds alone, with signs that the others contradict")
         if each is EQUATIONS[0]:
             row = replace(row, note=f"signs with which most equations hold: {reversed_} against the reference's")
@@ -150,15 +150,19 @@ def _solved(s: Symbols) -> Claim:
     printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "M_d"))
     corrected = _unknowns(s, [e.corrected if e.correction else e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
     torque = largest(s["M_d"])
-    off = largest(printed["M_d"] - s["M_d"]) / torque
+    deviation = largest(printed["M_d"] - s["M_d"]) / torque
     sizes = dict.fromkeys(FORCES, scale_of(s)["force"][0]) | {"M_d": torque}
     worst = max(largest(corrected[name] - s[name]) / size for name, size in sizes.items())
     return Claim(
         "eq 28 to 32, solved",
         "14 equations for 12 pin forces and M_d",
-        f"M_d is off by up to {off * torque / 1e3:.3g} kN m of {torque / 1e3:.3g}",
-        off,
-        Verdict.HOLDS if off <= EXACT else Verdict.MISPRINT if worst <= EXACT else Verdict.NOT_REPRODUCIBLE,
+        f"M_d is off by up to {deviation * torque / 1e3:.3g} kN m of {torque / 1e3:.3g}",
+        deviation,
+        Verdict.HOLDS
+        if deviation <= EQUATION_TOL
+        else Verdict.MISPRINT
+        if worst <= EQUATION_TOL
+        else Verdict.NOT_REPRODUCIBLE,
         "as corrected, for 12 pin forces, N and M_d: the reference's reactions",
         worst,
         "as printed by least squares, since the guide's force is missing",

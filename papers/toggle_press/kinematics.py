@@ -58,8 +58,8 @@ def over_two_turns() -> Symbols:
     lengths, (x, y) = [length / 1e3 for length in LENGTHS], steady.ground["P1"]
     symbols: Symbols = {"x": x, "y": -y, "S": both["P5.y"], "v": both["P5.vy"], "αₛ": both["P5.ay"]}
     by_bar: tuple[Any, ...] = (vectors, lengths, [np.angle(bar) for bar in vectors], rates, accelerations)
-    for symbol, of in zip("Llθωα", by_bar, strict=True):
-        symbols |= {f"{symbol}{index}": value for index, value in zip(("", *"₁₂₃₄₅"), of, strict=True)}
+    for symbol, of_bars in zip("Llθωα", by_bar, strict=True):
+        symbols |= {f"{symbol}{index}": value for index, value in zip(("", *"₁₂₃₄₅"), of_bars, strict=True)}
     return symbols | {"l₀": lengths[0], "L₀": vectors[0]}
 
 

@@ -25,9 +25,9 @@ TURN = Sampling(3600)
 STEP = tau / TURN.samples
 OTHERS = [f"bodies.{body}.lengths.{start}-{end}" for body, (start, end) in zip(BODIES, BARS, strict=True)][1:]
 PATHS = ("bodies.crank.points.P2.0", *OTHERS)  # of the toggle press's lengths in its scene file
-ROUNDING = 0.5  # mm: they are printed without decimals
+LENGTH_TOL = 0.5  # mm: lengths are printed without decimals
 PART = 0.01  # by which one length of a member of the family is longer or shorter
-DWELLING = 0.01  # of the stroke: so near to its lowest point the slider dwells
+DWELL_TOL = 0.01  # of the stroke: so near to its lowest point the slider dwells
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Press:
     @property
     def dwell(self) -> float:
         """Return for what part of a turn the slider is near its lowest point."""
-        near = DWELLING * self.stroke
+        near = DWELL_TOL * self.stroke
         return (self.before.at(near)[0] + self.after.at(near)[0]) / tau
 
     @property
@@ -93,7 +93,7 @@ def lowest(scene: Scene) -> float:
 
 def rounded() -> list[Press]:
     """The toggle press as printed, and with its lengths at the ends of their rounding, in all combinations."""
-    ends = product(*((length - ROUNDING, length + ROUNDING) for length in LENGTHS))
+    ends = product(*((length - LENGTH_TOL, length + LENGTH_TOL) for length in LENGTHS))
     return [press("toggle_press", dict(zip(PATHS, lengths, strict=True))) for lengths in (LENGTHS, *ends)]
 
 
@@ -107,7 +107,7 @@ def family() -> Iterator[tuple[str, Press]]:
 HEIGHT, FORCE = 6e-3, 1600e3  # m above the lowest point, N
 HEIGHTS = (5.5e-3, HEIGHT, 6.5e-3)  # "6 mm" and the ends of its rounding
 FEWEST, MOST = 40, 60  # strokes a minute
-UNIFORM = 0.1  # of the largest speed: where it varies by more it is not uniform
+UNIFORM_TOL = 0.1  # of the largest speed: where it varies by more it is not uniform
 TOGGLE, CRANK = "toggle press", "crank press"
 PRINTED: Mapping[str, Mapping[str, str]] = {
     TOGGLE: {"angle": "36.0", "from": "135", "speed": "-112.6", "torque": "1563"},
@@ -131,20 +131,20 @@ def entries(toggle: Press, crank: Press, corners: Sequence[Press]) -> Iterator[C
 def _column(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     printed = PRINTED[name]
 
-    def entry(what: str, value: Callable[[float, float], float], at: str = "", least: float = 1.0) -> Claim:
-        """A row of a value by angle and rate; `at` is what it goes with, `least` the smallest possible share."""
-        text = next(text for kind, text in printed.items() if kind in what)
+    def entry(label: str, value: Callable[[float, float], float], place: str = "", least: float = 1.0) -> Claim:
+        """A row of a value by angle and rate; `place` is what it goes with, `least` the smallest possible share."""
+        text = next(text for kind, text in printed.items() if kind in label)
         face = {way: value(*side.at(HEIGHT)) for way, side in press.closing.items()}
         ranges = [[value(*p.closing[way].at(height)) for p in corners for height in HEIGHTS] for way in face]
         there = " or ".join(f"{v:.5g} {way}".strip() for way, v in face.items())
         nearest = min(face.values(), key=lambda v: abs(v - float(text)))
-        if at:
-            level = float(at.partition(" ")[0])
+        if place:
+            level = float(place.partition(" ")[0])
             takes = " or ".join(f"{level * float(text) / v:.3g} {way}".strip() for way, v in face.items())
-            there = f"{there} at {at}; the printed one takes {takes}"
+            there = f"{there} at {place}; the printed one takes {takes}"
         allowed = [span([*values, *(least * v for v in values)]) for values in ranges]
         note = joined(f"6 mm above the end, 5.5 to 6.5 mm for the range: {there}", SIGN if text.startswith("-") else "")
-        return number(f"table 1 {what}, {name}", text, nearest, allowed=allowed, note=note)
+        return number(f"table 1 {label}, {name}", text, nearest, allowed=allowed, note=note)
 
     yield entry("pressure angle [deg]", lambda angle, _: degrees(angle))
     yield _uniform(name, printed["from"], press)
@@ -159,7 +159,7 @@ def _uniform(name: str, start: str, press: Press) -> Claim:
     return comparison(
         f"table 1 uniform speed, {name}",
         f"from {start} to 180°",
-        [rates.min() >= (1 - UNIFORM) * rates.max() for rates in parts],
+        [rates.min() >= (1 - UNIFORM_TOL) * rates.max() for rates in parts],
         f"falls from {fastest} mm/s to {speed(max(rates.min() for rates in parts)):.0f}, at {MOST} a minute",
         f"within 10 % of that 6 mm above {' or '.join(_steady(*way) for way in press.closing.items())}",
     )
@@ -168,7 +168,7 @@ def _uniform(name: str, start: str, press: Press) -> Claim:
 def _steady(way: str, side: Side) -> str:
     """Return from where to where the speed is nearly that at the nominal height, in words."""
     angle, rate = side.at(HEIGHT)
-    unlike = side.angle[np.abs(side.rate - rate) > UNIFORM * rate]
+    unlike = side.angle[np.abs(side.rate - rate) > UNIFORM_TOL * rate]
     ends = 180 - np.degrees((unlike[unlike > angle].min(), unlike[unlike < angle].max()))
     return f"from {ends[0]:.0f} to {ends[1]:.0f}° {way}".strip()
 
@@ -202,7 +202,7 @@ def _virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
             among_printed=True,
             note="torque times the crank's speed over the slider's speed, both as printed, but for the sign",
         )
-    torques, speeds = ([float(PRINTED[name][what]) for name in PRINTED] for what in ("torque", "speed"))
+    torques, speeds = ([float(PRINTED[name][column]) for name in PRINTED] for column in ("torque", "speed"))
     share = speeds[0] / speeds[1]
     yield number(
         "table 1 virtual work, ratio of the torques",

@@ -10,7 +10,7 @@ from casadi import MX, Function
 from scenes import Scene
 from scenes.model.motion import Samples
 
-from ..coordinates.system import CONVERGED, FITTING, ClosedPose, System
+from ..coordinates.system import CONVERGED_TOL, MAX_FIRST_CORRECTION, ClosedPose, System
 from .linkage import SymbolicLinkage
 
 SOLVER = "qr"  # CasADi's own, by Householder reflections; it raises RuntimeError where a pivot is zero
@@ -22,7 +22,7 @@ class Compiled:
 
     def __init__(self, function: Function) -> None:
         arguments = function.mx_in()
-        dense = Function("dense", arguments, [casadi.densify(of) for of in function.call(arguments)])
+        dense = Function("dense", arguments, [casadi.densify(output) for output in function.call(arguments)])
         buffer: Any
         buffer, self._evaluate = dense.buffer()
         self._failed = buffer.ret
@@ -36,8 +36,8 @@ class Compiled:
 
     def __call__(self, *vectors: Samples | float) -> list[Samples]:
         """Evaluate the outputs, matrices column by column; a linear system that is singular is a RuntimeError."""
-        for own, vector in zip(self._inputs, vectors, strict=True):
-            own[:] = vector
+        for buffer, vector in zip(self._inputs, vectors, strict=True):
+            buffer[:] = vector
         self._evaluate()
         if self._failed():
             raise RuntimeError("a pivot is zero")
@@ -75,7 +75,7 @@ class CasadiSystem(System):
             x, J, (first, last, way) = self._compiled(pose.x, goal)
         except RuntimeError:
             return None, 0
-        good = first <= FITTING * way + CONVERGED and last <= CONVERGED
+        good = first <= MAX_FIRST_CORRECTION * way + CONVERGED_TOL and last <= CONVERGED_TOL
         return ClosedPose(x, J.reshape(-1, len(self.units), order="F")) if good else None, CORRECTIONS
 
     def gaps(self, x: Samples) -> Samples:

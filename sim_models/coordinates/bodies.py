@@ -46,7 +46,7 @@ class MovingBody(NamedTuple):
 
 def framed_body(scene: Scene, body: Body) -> FramedBody:
     """Return a body, of 1 kg in a kinematic scene; Failure where its lengths do not meet, or nothing shows the side."""
-    points = {name: complex(*at) for name, at in (body.local or {}).items()}
+    points = {name: complex(*place) for name, place in (body.local or {}).items()}
     if body.lengths is not None:
         first, second, *others = body.points
         points = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
@@ -63,7 +63,10 @@ def framed_body(scene: Scene, body: Body) -> FramedBody:
 
 def linkage_size(scene: Scene, bodies: Mapping[str, FramedBody]) -> float:
     """Return the largest distance of two points of one body or of the ground, or a driven slider's travel, m."""
-    frames = [[complex(*at) for at in scene.ground.values()], *([*body.points.values()] for body in bodies.values())]
+    frames = [
+        [complex(*place) for place in scene.ground.values()],
+        *([*body.points.values()] for body in bodies.values()),
+    ]
     travels = [drive.span for drive in scene.drives if drive.slide is not None]
     return max(0.0, *travels, *(abs(p - q) for points in frames for p, q in combinations(points, 2)))
 

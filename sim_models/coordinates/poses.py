@@ -20,17 +20,17 @@ from scenes.scene import GROUND
 from .bodies import MovingBody
 from .system import ClosedPose, System, solved
 
-SINGULAR = 1e-10  # of the largest singular value: what repeats another constraint leaves, where gaps are nearly closed
-HALVINGS = 20  # of one step; rounding of the scene's numbers can make or undo a lock within 1e-7 of a turn
-PARTS = 200  # of one step; two branches that run side by side may need any number
+SINGULAR_TOL = 1e-10  # of the largest singular value: what repeats a constraint leaves, where gaps are nearly closed
+MAX_HALVINGS = 20  # of one step; rounding of the scene's numbers can make or undo a lock within 1e-7 of a turn
+MAX_PARTS = 200  # of one step; two branches that run side by side may need any number
 LARGEST = np.radians(10.0)  # step of the drive, and as a part of its travel
 TRIALS = 9  # positions ahead, to find one where a joint stays open
-OPEN = 1e-9  # gap of bodies that do not fit together, over the size
+MAX_GAP = 1e-9  # of bodies that fit together, over the size
 SECONDS = 120.0  # of processor time, for the build and for each cycle
 ROUNDING = float(np.finfo(float).eps) / 2
 CLOSING = 12  # steps in which the sketch's gaps are closed
-ACCURACY = 1e-9  # of the drive's position, rad or of its travel; a stroke's displacement stands still at its end
-SCENES = 4  # whose equations are kept by an engine: a scene run with several settings is prepared once
+POSITION_TOL = 1e-9  # of the drive's position, rad or of its travel; a stroke's displacement stands still at its end
+MAX_SCENES = 4  # whose equations are kept by an engine: a scene run with several settings is prepared once
 
 
 class PathFollower:
@@ -99,7 +99,7 @@ class PathFollower:
         Where none leads on, it raises the failure of the last pose.
         """
         ahead = [goal]
-        for _ in range(PARTS):
+        for _ in range(MAX_PARTS):
             self.budget.check(f"{self.counters['steps']} steps are done")
             reached, iterations = self.system.step(pose, ahead[-1])
             self.counters["steps"] += 1
@@ -109,7 +109,7 @@ class PathFollower:
                 ahead.pop()
                 if not ahead:
                     return pose
-            elif len(ahead) > HALVINGS:
+            elif len(ahead) > MAX_HALVINGS:
                 break
             else:
                 ahead.append((self.system.gaps(pose.x) + ahead[-1]) / 2)
@@ -129,21 +129,27 @@ class PathFollower:
         """Return whether there is a pose nearby, by least squares."""
         goal = self.goal(position)
         closest = least_squares(lambda x: self.system.gaps(x) - goal, pose.x, self.system.jacobian, method="lm")
-        return bool(np.abs(closest.fun).max() <= OPEN)
+        return bool(np.abs(closest.fun).max() <= MAX_GAP)
 
     def repeated(self, pose: ClosedPose, position: float) -> int:
         """Return how many constraints repeat others where the bodies fit together, zero where they do not."""
-        count = len(pose.x) - int(np.linalg.matrix_rank(pose.J, tol=SINGULAR * np.linalg.norm(pose.J, 2)))
+        count = len(pose.x) - int(np.linalg.matrix_rank(pose.J, tol=SINGULAR_TOL * np.linalg.norm(pose.J, 2)))
         return count if count and self.assembles(pose, position) else 0
 
     def misfit(self, pose: ClosedPose, position: float) -> str:
         """Return which joint stays open near a pose when all others close, for a message; or nothing."""
         system, joints = self.system, joint_rows(self.system.pins, self.system.sliders)
-        given = (lambda at, x: system.gaps(x) - self.goal(at)), system.jacobian, pose.x, np.ones(len(pose.x)), joints
+        given = (
+            (lambda position, x: system.gaps(x) - self.goal(position)),
+            system.jacobian,
+            pose.x,
+            np.ones(len(pose.x)),
+            joints,
+        )
         return misfit(self.scene, [position], *given, 1.0, unit=system.size) if joints else ""
 
 
-@lru_cache(SCENES)
+@lru_cache(MAX_SCENES)
 def begun(
     kind: Callable[[Scene], System], scene: Scene, whole_way: bool
 ) -> tuple[Any, PathFollower, ClosedPose, Mapping[str, float]]:
@@ -173,20 +179,20 @@ def begun(
 def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
     """Return every body where it fits the sketch best by least squares, with the drive at a position, rad or m."""
     scene, frames = system.scene, {GROUND: MovingBody()}
-    own, seen = dict[str, Samples](), dict[str, Samples]()
+    in_body, seen = dict[str, Samples](), dict[str, Samples]()
     for name, body in system.bodies.items():
         shown = [point for point in body.points if point in scene.drawn]
-        own[name] = np.array([body.points[point] for point in shown], complex)
+        in_body[name] = np.array([body.points[point] for point in shown], complex)
         seen[name] = np.array([scene.drawn[point] for point in shown], complex)
     for name in system.bodies:
         group, angle = scene.aligned[name], 0.0
         if system.drive.body in group and system.drive.slide is None:
             angle = position
         elif GROUND not in group:
-            fits = (np.vdot(own[n] - own[n].mean(), seen[n]) for n in sorted(group) if len(own[n]))
+            fits = (np.vdot(in_body[n] - in_body[n].mean(), seen[n]) for n in sorted(group) if len(in_body[n]))
             angle = float(np.angle(sum(fits)))
         # A body without a sketched point has guides alone, which are met from anywhere.
-        origin = complex((seen[name] - np.exp(1j * angle) * own[name]).mean()) if len(own[name]) else 0j
+        origin = complex((seen[name] - np.exp(1j * angle) * in_body[name]).mean()) if len(in_body[name]) else 0j
         frames[name] = MovingBody(origin, angle, np.exp(1j * angle))
     return frames
 
@@ -219,6 +225,6 @@ def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> flo
         lambda position: -closed(next(poses.through(pose, best, [position]))),
         bounds=(low, high),
         method="bounded",
-        options={"xatol": ACCURACY * (high - low)},
+        options={"xatol": POSITION_TOL * (high - low)},
     )
     return closing * max(closed(pose), -float(refined.fun))

@@ -19,10 +19,10 @@ from scenes.scene import GROUND
 from .bodies import MovingBody, framed_body, linkage_size
 from .loads import SHORTEST_SPRING, Situation, Wrench, applied
 
-CONTRACTION = 0.25  # largest ratio of a correction to the one before
-FITTING = 0.1  # of a step: the largest first correction
-ITERATIONS = 20
-CONVERGED = 1e-9  # the last correction, from where only rounding may stop the next ones from shrinking
+MAX_CONTRACTION = 0.25  # of a correction to the one before
+MAX_FIRST_CORRECTION = 0.1  # of a step
+MAX_ITERATIONS = 20
+CONVERGED_TOL = 1e-9  # the last correction, from where only rounding may stop the next ones from shrinking
 ROUND_OFF = 1e-15
 solved: Any = np.linalg.solve  # A^-1 b; LinAlgError where A is singular
 
@@ -66,8 +66,12 @@ class System:
         self.size = linkage_size(scene, self.bodies)
         self.drive = scene.drive
         self.drive_unit = 1.0 if self.drive.slide is None else self.size  # of the drive's position
-        self.arms = {(GROUND, point): complex(*at) for point, at in scene.ground.items()}  # in the bodies' frames, m
-        self.arms |= {(name, point): at for name, body in self.bodies.items() for point, at in body.points.items()}
+        self.arms = {
+            (GROUND, point): complex(*place) for point, place in scene.ground.items()
+        }  # in the bodies' frames, m
+        self.arms |= {
+            (name, point): place for name, body in self.bodies.items() for point, place in body.points.items()
+        }
         self.guides = dict[str, GuideLine]()
         for name, slide in scene.slides.items():
             through, along = complex(*slide.through), complex(*slide.along)
@@ -85,29 +89,32 @@ class System:
         """Return the coordinates of bodies in these places, shape (n,); joints that hold them apart stay open."""
         q = list[float]()
         for name in self.bodies:
-            at = bodies[name]
+            moving = bodies[name]
             slides = len(self.coordinates_of(name)) == 1
-            q += [self.slid(bodies, name)[0].real] if slides else [at.origin.real, at.origin.imag, at.angle]
+            q += [self.slid(bodies, name)[0].real] if slides else [moving.origin.real, moving.origin.imag, moving.angle]
         return np.asarray(np.array(q) / self.units)
 
     def moved(self, x: Samples, v: Samples | None = None, a: Samples | None = None) -> dict[str, MovingBody]:
         """Return how bodies move, by coordinates of shape (n,) and their derivatives, or each of shape (k, n)."""
-        levels = [np.zeros(len(self.units)) if of is None else of * self.units for of in (x, v, a)]
-        columns = [dict(zip(self.coordinates, of.T, strict=True)) for of in levels]
+        levels = [np.zeros(len(self.units)) if level is None else level * self.units for level in (x, v, a)]
+        columns = [dict(zip(self.coordinates, level.T, strict=True)) for level in levels]
         bodies = {GROUND: MovingBody()}
         for name in self.carriers_first():
-            own = ([of[coordinate] for coordinate in self.coordinates_of(name)] for of in columns)
+            levels_of = ([level[coordinate] for coordinate in self.coordinates_of(name)] for level in columns)
             if len(self.coordinates_of(name)) > 1:
-                (x, y, angle), (dx, dy, omega), (ddx, ddy, alpha) = own
+                (x, y, angle), (dx, dy, omega), (ddx, ddy, alpha) = levels_of
                 turn = np.exp(1j * angle)
                 bodies[name] = MovingBody(x + 1j * y, angle, turn, dx + 1j * dy, omega, ddx + 1j * ddy, alpha)
                 continue
             carrier, through, along, first = self.guides[name]
-            on, ((x,), (dx,), (ddx,)) = bodies[carrier], own
-            place, velocity, acceleration = on.at(through + along * x - first)
-            guide = on.turn * along
-            velocity, acceleration = velocity + guide * dx, acceleration + guide * (ddx + 2j * on.omega * dx)
-            bodies[name] = on._replace(origin=place, velocity=velocity, acceleration=acceleration)
+            carrier_motion, ((x,), (dx,), (ddx,)) = bodies[carrier], levels_of
+            place, velocity, acceleration = carrier_motion.at(through + along * x - first)
+            guide = carrier_motion.turn * along
+            velocity, acceleration = (
+                velocity + guide * dx,
+                acceleration + guide * (ddx + 2j * carrier_motion.omega * dx),
+            )
+            bodies[name] = carrier_motion._replace(origin=place, velocity=velocity, acceleration=acceleration)
         return bodies
 
     def carriers_first(self) -> list[str]:
@@ -142,8 +149,8 @@ class System:
             first, second = (bodies[body].at(self.arms[body, pin.point])[level] for body in (pin.first, pin.second))
             rows += [(second - first).real, (second - first).imag]
         for name in self.sliders:
-            turn, on = (bodies[body].turning[level] for body in (name, self.guides[name].carrier))
-            rows += [self.slid(bodies, name)[level].imag, turn - on]
+            turn, carrier_turn = (bodies[body].turning[level] for body in (name, self.guides[name].carrier))
+            rows += [self.slid(bodies, name)[level].imag, turn - carrier_turn]
         rows.append(self.driven(bodies, level))
         return np.asarray((np.array(rows).T / self.row_units).T)
 
@@ -159,17 +166,17 @@ class System:
             rate = solved(pose.J, goal - self.gaps(pose.x))
             way = rate - solved(pose.J, self.bend(pose.x, rate)) / 2
             x = pose.x + way
-            J, largest = self.jacobian(x), FITTING * np.abs(way).max() + CONVERGED
-            for iterations in range(1, ITERATIONS + 1):
+            J, largest = self.jacobian(x), MAX_FIRST_CORRECTION * np.abs(way).max() + CONVERGED_TOL
+            for iterations in range(1, MAX_ITERATIONS + 1):
                 correction = solved(J, goal - self.gaps(x))
                 length = np.abs(correction).max()
-                if not (length <= largest or length <= CONVERGED):
+                if not (length <= largest or length <= CONVERGED_TOL):
                     return None, iterations
                 x = x + correction
-                if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
+                if length <= ROUND_OFF or (length <= CONVERGED_TOL and length > largest):
                     break
-                largest = CONTRACTION * length
-            return ClosedPose(x, self.jacobian(x)) if length <= CONVERGED else None, iterations
+                largest = MAX_CONTRACTION * length
+            return ClosedPose(x, self.jacobian(x)) if length <= CONVERGED_TOL else None, iterations
         except np.linalg.LinAlgError:
             return None, iterations
 
@@ -179,10 +186,16 @@ class System:
         The real part is the displacement, m, the imaginary one the offset; the derivatives are by the rule of Coriolis.
         """
         carrier, through, along, first = self.guides[slider]
-        on = bodies[carrier]
-        p, v, a = (point - guide for point, guide in zip(bodies[slider].at(first), on.at(through), strict=True))
-        seen, axis = v - 1j * on.omega * p, (on.turn * along).conjugate()
-        return axis * p, axis * seen, axis * (a - (1j * on.alpha - on.omega**2) * p - 2j * on.omega * seen)
+        carrier_motion = bodies[carrier]
+        p, v, a = (
+            point - guide for point, guide in zip(bodies[slider].at(first), carrier_motion.at(through), strict=True)
+        )
+        seen, axis = v - 1j * carrier_motion.omega * p, (carrier_motion.turn * along).conjugate()
+        return (
+            axis * p,
+            axis * seen,
+            axis * (a - (1j * carrier_motion.alpha - carrier_motion.omega**2) * p - 2j * carrier_motion.omega * seen),
+        )
 
     def kinematics(self, bodies: Mapping[str, MovingBody]) -> dict[str, Any]:
         """Return the channels that describe the motion of bodies, but the time."""

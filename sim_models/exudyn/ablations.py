@@ -36,7 +36,7 @@ class ReducedSystem(ExudynSystem):
         slides = scene.slides
         carriers = {slide.on for slide in slides.values()}
         pins = {name: [p for p in scene.pins if (p.first, p.second) == (GROUND, name)] for name in scene.bodies}
-        self.pivots = {name: own[0] for name, own in pins.items() if len(own) == 1 and name not in slides}
+        self.pivots = {name: held[0] for name, held in pins.items() if len(held) == 1 and name not in slides}
         self.sliders = {name for name, slide in slides.items() if slide.on == GROUND and name not in carriers}
         self.reduced = self.pivots.keys() | self.sliders
         super().__init__(scene, drive, si=si)
@@ -129,7 +129,7 @@ class SpatialSystem(ExudynSystem):
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
         super().__init__(scene, drive, si=si)
         joints, bodies = (*self.pins.values(), *self.slides.values()), range(len(self.bodies))
-        self.coordinates = np.array([6 * number + one for number in bodies for one in self.in_plane])
+        self.coordinates = np.array([6 * number + column for number in bodies for column in self.in_plane])
         planar = [column for joint in joints for column in self.columns(joint)[:2]]
         self.multipliers = np.array(planar + self.columns(self.drive))
 
@@ -186,8 +186,8 @@ def _sensors(system: ExudynSystem, *, forces: bool) -> Iterator[Callable[..., An
     places = [(scene.owners[point][0], point, motions) for point in scene.moving_points]
     for body, point, measured in [*places, *((name, "", turns) for name in scene.turning)]:
         place = system.bodies[body].points.get(point, 0j)
-        at = {"bodyNumber": system.objects[body], "localPosition": [place.real, place.imag, 0]}
-        yield from (partial(items.SensorBody, outputVariableType=kind, **at) for kind in measured)
+        place_of = {"bodyNumber": system.objects[body], "localPosition": [place.real, place.imag, 0]}
+        yield from (partial(items.SensorBody, outputVariableType=kind, **place_of) for kind in measured)
     if forces:
         slots = [joint for name, joint in system.slides.items() if scene.slides[name].on != GROUND]
         for joint in (*system.pins.values(), system.drive, *system.slides.values()):

@@ -28,7 +28,7 @@ def kinematics(system: ExudynSystem, q: Array, v: Array, a: Array | None = None)
     samples = {scene.channels.drive.position: system.driven(q)}
     for point, names in scene.channels.points.items():
         body = scene.owners[point][0]
-        (c, phi), (dc, omega), (ddc, alpha) = (system.pose_of(body, of) for of in levels)
+        (c, phi), (dc, omega), (ddc, alpha) = (system.pose_of(body, level) for level in levels)
         arm = system.bodies[body].points[point] * np.exp(1j * phi)
         vectors = c + arm, dc + 1j * omega * arm, ddc + (1j * alpha - omega**2) * arm
         for (x, y), vector in zip(names, vectors, strict=True):

@@ -11,7 +11,7 @@ from scenes.laws import Piece
 from scenes.scene import ConstantSpeed, DriveLaw, HarmonicLaw, SegmentedLaw
 
 CUBED = 3  # in a cubic's polynomial, the place of what the jerk is six times of
-SAME_JERK = 1e-9  # of the largest in the law: neighbours of one cubic, as at the ends of a not-a-knot spline
+SAME_JERK_TOL = 1e-9  # of the largest in the law: neighbours of one cubic, as at the ends of a not-a-knot spline
 
 
 def pieces(law: DriveLaw, end: float) -> Sequence[Piece]:
@@ -27,7 +27,7 @@ def pieces(law: DriveLaw, end: float) -> Sequence[Piece]:
         return every[: count + law.periodic]  # to the next cycle's first one belongs the end of the last
     cubics = [cubic._replace(polynomial=[*map(float, cubic.polynomial)], within=inf) for cubic in every[:count]]
     cubed = np.array([cubic.polynomial[CUBED] for cubic in cubics])
-    jumps = np.abs(np.diff(cubed, prepend=np.inf)) > SAME_JERK * np.abs(cubed).max()
+    jumps = np.abs(np.diff(cubed, prepend=np.inf)) > SAME_JERK_TOL * np.abs(cubed).max()
     return [cubic for cubic, jump in zip(cubics, jumps, strict=True) if jump]
 
 
@@ -49,7 +49,7 @@ class ExudynDrive:
         """Begin at an instant, s; the first piece also holds before it begins, and the last one after it ends."""
         self.zero, polynomial = zero, parts[0].polynomial
         if len(parts) > 1 or parts[0].sines or len(polynomial) != CUBED + 1:
-            self.position, self.rate = (lambda clock, of=of: _at(parts, zero + clock)[of] for of in (0, 1))
+            self.position, self.rate = (lambda clock, order=order: _at(parts, zero + clock)[order] for order in (0, 1))
             return
         start, speed, acceleration = map(float, parts[0].at(zero))  # Exudyn asks seven times a step
         half, sixth = acceleration / 2, polynomial[CUBED]

@@ -25,11 +25,11 @@ from .contacts import CONTACTS
 from .poses import PoseSolver
 from .system import TURN, Array, ExudynSystem
 
-PROVEN = 0.95  # a bound on the contraction of (1), below which it has one solution, which no step can miss
-NEAR = 0.2  # of the largest force: so much do forces change at most in a step of the factor that is not proven
-LEAST_STEP = 1e-8  # of the factor, before no solution follows
-ITERATIONS = 20  # of Newton's method, where (1) has kinks
-CONVERGED = 1e-8  # the last correction, of the largest force; it is squared in the next one
+MAX_CONTRACTION = 0.95  # a bound on that of (1), below which it has one solution, which no step can miss
+MAX_CHANGE = 0.2  # of the largest force: so much do forces change in a step of the factor that is not proven
+MIN_STEP = 1e-8  # of the factor, before no solution follows
+MAX_ITERATIONS = 20  # of Newton's method, where (1) has kinks
+CONVERGED_TOL = 1e-8  # the last correction, of the largest force; it is squared in the next one
 
 
 class JointFriction:
@@ -38,10 +38,10 @@ class JointFriction:
     def __init__(self, poses: PoseSolver) -> None:
         self._poses, self._scene = poses, poses.system.scene
         every = self._scene.friction
-        pins = [CONTACTS[type(one)].round for one in every]
-        self._pins, self._bend = np.array(pins), np.array([one.coefficient for one in every]) * pins
-        self._slope = np.array([CONTACTS[type(one)].lever(one) * one.coefficient for one in every])
-        self._viscous = np.array([one.viscous or 0.0 for one in every])
+        pins = [CONTACTS[type(friction)].round for friction in every]
+        self._pins, self._bend = np.array(pins), np.array([friction.coefficient for friction in every]) * pins
+        self._slope = np.array([CONTACTS[type(friction)].lever(friction) * friction.coefficient for friction in every])
+        self._viscous = np.array([friction.viscous or 0.0 for friction in every])
         self._carried = _carried(poses.system)
 
     def act(self, q: Array, multipliers: Array, positions: Array, rates: Array) -> tuple[Array, Mapping[str, Array]]:
@@ -74,19 +74,19 @@ class JointFriction:
         spin = np.abs(v[:, TURN::3]).max(axis=1)
         speed = np.max([still, *(np.hypot(*map(found.__getitem__, names.velocity)) for names in points)], axis=0)
         pairs = zip(self._scene.friction, self._pins, slip.T, strict=True)
-        return np.transpose([one.sense(rate, spin if pin else speed) for one, pin, rate in pairs])
+        return np.transpose([friction.sense(rate, spin if pin else speed) for friction, pin, rate in pairs])
 
     def _followed(self, r0: Array, K: Array, sense: Array, positions: Array) -> Array:
         """Follow the solution y of (1) from a factor of 0 to 1, at each instant in steps of its own."""
         y, factor = np.zeros(sense.shape), np.zeros(len(sense))
         contraction = np.abs(np.linalg.eigvals(self._norm(K) * np.abs(self._slope * sense)[:, np.newaxis])).max(axis=1)
-        step = PROVEN / np.maximum(contraction, PROVEN)
-        while len(rows := np.flatnonzero((factor < 1) & (step >= LEAST_STEP))):
-            to = np.minimum(factor[rows] + step[rows], 1.0)
-            found, closes = self._newton(y[rows], r0[rows], K[rows], sense[rows], to)
-            moved = self._moved(found - y[rows], K[rows]) <= NEAR * self._largest(found, r0[rows], K[rows])
+        step = MAX_CONTRACTION / np.maximum(contraction, MAX_CONTRACTION)
+        while len(rows := np.flatnonzero((factor < 1) & (step >= MIN_STEP))):
+            target = np.minimum(factor[rows] + step[rows], 1.0)
+            found, closes = self._newton(y[rows], r0[rows], K[rows], sense[rows], target)
+            moved = self._moved(found - y[rows], K[rows]) <= MAX_CHANGE * self._largest(found, r0[rows], K[rows])
             closes &= moved | (factor[rows] == 0)
-            y[rows[closes]], factor[rows[closes]] = found[closes], to[closes]
+            y[rows[closes]], factor[rows[closes]] = found[closes], target[closes]
             step[rows] *= np.where(closes, 2.0, 0.5)
         if (factor < 1).any():
             row = int(np.argmax(factor < 1))
@@ -99,15 +99,15 @@ class JointFriction:
         """Solve (1) with a factor from a y near; and where that is the solution which no other has met since 0."""
         factors = factor[:, np.newaxis]
         c = sense * self._slope * factors / np.sqrt(1 + (self._bend * factors) ** 2)
-        closes, one = np.zeros(len(y), dtype=bool), np.eye(y.shape[1])
-        for _ in range(ITERATIONS):
+        closes, unit = np.zeros(len(y), dtype=bool), np.eye(y.shape[1])
+        for _ in range(MAX_ITERATIONS):
             r = r0 + np.einsum("njir,nj->nir", K, y)
-            J = one + c[..., np.newaxis] * np.einsum("nir,njir->nij", self._gradient(r), K)
+            J = unit + c[..., np.newaxis] * np.einsum("nir,njir->nij", self._gradient(r), K)
             sign: Array = np.asarray(np.linalg.slogdet(J)[0])
-            J[~(sign > 0)] = one
+            J[~(sign > 0)] = unit
             correction: Array = np.asarray(np.linalg.solve(J, (y + c * self._norm(r))[..., np.newaxis]))[..., 0]
             y = y - correction
-            closes = (sign > 0) & (self._moved(correction, K) <= CONVERGED * self._largest(y, r0, K))
+            closes = (sign > 0) & (self._moved(correction, K) <= CONVERGED_TOL * self._largest(y, r0, K))
             if closes.all():
                 break
         return y, closes
@@ -132,13 +132,13 @@ class JointFriction:
 def _carried(system: ExudynSystem) -> Array:
     """What joints with friction carry, N, by the multipliers, shape (joints, 2, constraints)."""
     found = forces(system, np.eye(3 * len(system.bodies)))
-    return np.array([CONTACTS[type(one)].carried(one, system, found) for one in system.scene.friction])
+    return np.array([CONTACTS[type(friction)].carried(friction, system, found) for friction in system.scene.friction])
 
 
 def _directions(system: ExudynSystem, q: Array) -> Array:
     """B: what turns or slides on the coordinates by a unit moment or force of friction, shape (n, 3 bodies, joints)."""
     every = system.scene.friction
     directions = np.zeros((*q.shape, len(every)))
-    for one, B in zip(every, np.moveaxis(directions, -1, 0), strict=True):
-        CONTACTS[type(one)].direct(one, system, q, B)
+    for friction, B in zip(every, np.moveaxis(directions, -1, 0), strict=True):
+        CONTACTS[type(friction)].direct(friction, system, q, B)
     return directions

@@ -18,7 +18,7 @@ from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, items
 
 GRID = 180  # instants of a cycle between which a slider reverses once at most
-ACCURACY = 1e-13  # of a cycle, far within the next
+SWITCH_TOL = 1e-13  # of a cycle, far within the next
 
 
 def add_loads(system: ExudynSystem, switches: PressSwitches, start: Configuration) -> None:
@@ -76,4 +76,4 @@ def _zeros(function: Callable[[float], float], times: Array, values: Array) -> I
     yield from (time for time, value in known.items() if value == 0)
     for before, after in pairwise(known):
         if known[before] * known[after] < 0:
-            yield brentq(lambda t: known[t] if t in known else function(t), before, after, xtol=ACCURACY * times[-1])
+            yield brentq(lambda t: known[t] if t in known else function(t), before, after, xtol=SWITCH_TOL * times[-1])

@@ -25,13 +25,13 @@ from .drive import ExudynDrive
 from .system import Array, ExudynSystem, exudyn
 
 KNOTS = 18  # poses per cycle that are followed one by one; those between are then found from them all at once
-ITERATIONS = 12  # from a predicted pose, with the Jacobian there
-PATIENT_ITERATIONS = 60  # from a rough sketch, or nearly singular, where Newton's method gains one bit per step
+MAX_ITERATIONS = 12  # from a predicted pose, with the Jacobian there
+MAX_PATIENT_ITERATIONS = 60  # from a rough sketch, or nearly singular, where Newton's method gains one bit per step
 TRIALS = 9  # for a pose beyond where the motion cannot be followed
-CONVERGED = 1e-9  # the largest last correction, over the size
+CONVERGED_TOL = 1e-9  # the largest last correction, over the size
 ROUND_OFF = 1e-15  # of the size: the error left after it, estimated from the rate of convergence
-LARGEST_CORRECTION = 0.1  # of a predicted pose, over the length of the step to it
-BISECTIONS = 30  # of a step, before it counts as impossible
+MAX_CORRECTION = 0.1  # of a predicted pose, over the length of the step to it
+MAX_BISECTIONS = 30  # of a step, before it counts as impossible
 SECONDS = 60.0  # of processor time, for the build and for every cycle of the solution
 DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
 
@@ -99,7 +99,7 @@ class Equations:
         """Name the joint that stays open when all others close, near q at the first position where one does."""
         scene, system = self._system.scene, self._system
         given = self.jacobian, q, system.units, joint_rows(scene.pins, scene.slides), system.size
-        return misfit(scene, positions, lambda position, at: self.residual(at, position), *given)
+        return misfit(scene, positions, lambda position, pose: self.residual(pose, position), *given)
 
 
 class Configuration(NamedTuple):
@@ -143,18 +143,18 @@ class PoseSolver:
         knots = self._knots(np.append(state.position, positions))
         followed = [*accumulate(positions[knots].tolist(), self.follow, initial=state)]
         known = Configuration(*map(np.array, zip(*followed, strict=True)))
-        between = np.delete(np.arange(len(positions)), knots)
-        if not len(between):
+        rest = np.delete(np.arange(len(positions)), knots)
+        if not len(rest):
             return known.rows(slice(1, None))
-        last = np.searchsorted(knots, between)  # of the states that are known before each
+        last = np.searchsorted(knots, rest)  # of the states that are known before each
         before, after = known.rows(last), known.rows(last + 1)
-        guess = _interpolated(before, after, positions[between])
-        reached, closes = self._at(guess, positions[between], before, curved=curved)
+        guess = _interpolated(before, after, positions[rest])
+        reached, closes = self._at(guess, positions[rest], before, curved=curved)
         for row in np.flatnonzero(~closes):
-            alone = self.follow(followed[last[row]], float(positions[between[row]]))
+            alone = self.follow(followed[last[row]], float(positions[rest[row]]))
             for field, value in zip(reached, alone, strict=True):
                 field[row] = value
-        order = np.argsort(np.append(knots, between))
+        order = np.argsort(np.append(knots, rest))
         return Configuration(*(np.concatenate([k[1:], r])[order] for k, r in zip(known, reached, strict=True)))
 
     def _knots(self, positions: Array) -> NDArray[np.intp]:
@@ -169,7 +169,7 @@ class PoseSolver:
         return np.flatnonzero(ends)
 
     def follow(
-        self, state: Configuration, position: float, bisections: int = BISECTIONS, goal: float | None = None
+        self, state: Configuration, position: float, bisections: int = MAX_BISECTIONS, goal: float | None = None
     ) -> Configuration:
         """The state at another position: predicted and corrected, in smaller steps if the correction is large."""
         if position == state.position:
@@ -199,11 +199,11 @@ class PoseSolver:
 
     def nearest(self, q: Array, position: float) -> Array | None:
         """A pose near q that meets the constraints, redundant ones too, by damped Gauss-Newton."""
-        for _ in range(PATIENT_ITERATIONS):
+        for _ in range(MAX_PATIENT_ITERATIONS):
             residual = self.equations.residual(q, position)
             step: Array = np.asarray(np.linalg.lstsq(self.equations.jacobian(q), -residual)[0], np.float64)
             length = float(self.length(step))
-            if length < CONVERGED and np.abs(residual).max() < CONVERGED * self.system.size:
+            if length < CONVERGED_TOL and np.abs(residual).max() < CONVERGED_TOL * self.system.size:
                 return q + step
             q = q + step / max(1.0, 2 * length)
             self.newton_iterations += 1
@@ -219,7 +219,7 @@ class PoseSolver:
 
     def closed(self, q: Array, position: Array) -> Configuration:
         """The states, without curvatures, near coordinates that an integration has left a little open."""
-        near, closes = self._corrected(q, position, np.full(position.shape, LARGEST_CORRECTION))
+        near, closes = self._corrected(q, position, np.full(position.shape, MAX_CORRECTION))
         return self.state(np.where(closes[..., np.newaxis], near, q), position, curved=False)
 
     def multipliers(self, state: Configuration, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
@@ -248,7 +248,7 @@ class PoseSolver:
     ) -> tuple[Configuration, NDArray[np.bool_]]:
         """Find the state near a guess, which was predicted from `start`; and whether there is one, on that branch."""
         try:
-            q, closes = self._corrected(guess, position, LARGEST_CORRECTION * self.length(guess - start.q) + CONVERGED)
+            q, closes = self._corrected(guess, position, MAX_CORRECTION * self.length(guess - start.q) + CONVERGED_TOL)
             reached = self.state(np.where(closes[..., np.newaxis], q, start.q), position, curved=curved)
         except np.linalg.LinAlgError:  # two branches meet at one of them
             return start, np.zeros(position.shape, dtype=bool)
@@ -258,11 +258,11 @@ class PoseSolver:
         """Find a pose by Newton's method with the Jacobian of the guess; and whether it is within reach of that."""
         inverse: Array = np.asarray(np.linalg.inv(self.equations.jacobian(guess)), np.float64)
         q, closes, length = guess, np.zeros(position.shape, dtype=bool), reach
-        for _ in range(ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             step = _times(inverse, self.equations.residual(q, position))
             self.newton_iterations += position.size
             q, before, length = q - step, length, self.length(step)
-            closes = closes | (length < CONVERGED) & ((length**2 < ROUND_OFF * before) | (length >= before))
+            closes = closes | (length < CONVERGED_TOL) & ((length**2 < ROUND_OFF * before) | (length >= before))
             if (closes | (length > reach)).all():
                 break
         return q, closes & (self.length(q - guess) <= reach)

@@ -16,12 +16,12 @@ from .loads import press_switches
 from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, exudyn
 
-SCENES = 4  # whose starts are kept; one that is run has up to two
+MAX_SCENES = 4  # whose starts are kept; one that is run has up to two
 
 Sketched: TypeAlias = Mapping[str, tuple[Array, Array]]  # by body its sketched points: along its own axes, and as drawn
 
 
-@lru_cache(SCENES)
+@lru_cache(MAX_SCENES)
 def begun(scene: Scene, *, si: bool = False) -> tuple[Configuration, PressSwitches]:
     """The state at the drive's start, and when the press loads switch; both once a scene and system of units."""
     poses = PoseSolver(scene, si=si)
@@ -53,9 +53,11 @@ def _rough(system: ExudynSystem, position: float) -> Array:
         known = [point for point in body.points if point in places]
         sketched[name] = np.array([body.points[p] for p in known]), np.array([places[p] for p in known])
     angles = _angles(system, sketched, position)
-    for name, (own, drawn) in sketched.items():
+    for name, (in_body, drawn) in sketched.items():
         angle = angles[system.scene.aligned[name]]
-        com = (drawn - np.exp(1j * angle) * own).mean() if len(own) else 0j  # only on slides: found from anywhere
+        com = (
+            (drawn - np.exp(1j * angle) * in_body).mean() if len(in_body) else 0j
+        )  # only on slides: found from anywhere
         pose += [com.real, com.imag, angle]
     return np.array(pose)
 
@@ -77,7 +79,7 @@ def _fit(system: ExudynSystem, sketched: Sketched, group: frozenset[str], positi
     """A number with the angle of parallel bodies as they are drawn; zero where that does not show it."""
     # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2, over all bodies of this angle
     points = [sketched[name] for name in sorted(group)]
-    pairs = [(own - own.mean(), drawn - drawn.mean()) for own, drawn in points if len(own) > 1]
+    pairs = [(in_body - in_body.mean(), drawn - drawn.mean()) for in_body, drawn in points if len(in_body) > 1]
     guides = [(system.scene.slides[name].on, name) for name in sorted(group & system.scene.slides.keys())]
     if not pairs:
         guides = [ends for ends in guides if all(len(sketched[name][0]) for name in ends)]
@@ -86,15 +88,15 @@ def _fit(system: ExudynSystem, sketched: Sketched, group: frozenset[str], positi
 
 
 def _along_guide(
-    system: ExudynSystem, sketched: Sketched, on: str, slider: str, position: float
+    system: ExudynSystem, sketched: Sketched, carrier: str, slider: str, position: float
 ) -> tuple[complex, complex]:
     """The way from a point of what has a guide to one of its slider, m: in their frame, and as drawn."""
-    (first, begin), (last, end) = sketched[on], sketched[slider]
-    along, own = system.along(slider), system.through(slider) + last[0] - system.lever(slider) - first[0]
-    drawn, off = end[0] - begin[0], (along.conjugate() * own).imag
+    (first, begin), (last, end) = sketched[carrier], sketched[slider]
+    along, in_carrier = system.along(slider), system.through(slider) + last[0] - system.lever(slider) - first[0]
+    drawn, across = end[0] - begin[0], (along.conjugate() * in_carrier).imag
     if slider == system.prescribed.body:
-        return own + along * position, drawn
-    return along * complex(sqrt(max(abs(drawn) ** 2 - off**2, 0.0)), off), drawn  # the slider is pushed out
+        return in_carrier + along * position, drawn
+    return along * complex(sqrt(max(abs(drawn) ** 2 - across**2, 0.0)), across), drawn  # the slider is pushed out
 
 
 def _check_freedoms(system: ExudynSystem, q: Array) -> None:

@@ -113,8 +113,8 @@ class ExudynSystem:
 
     def marker(self, body: str, place: complex, kind: str = "Position") -> Any:
         """A marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
-        create, (number, at) = getattr(items, f"MarkerBody{kind}"), self.placed(body, place)
-        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=at))
+        create, (number, position) = getattr(items, f"MarkerBody{kind}"), self.placed(body, place)
+        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=position))
 
     def at(self, body: str, point: str) -> Any:
         """A marker at a point of a body or of the ground."""
@@ -195,9 +195,9 @@ class ExudynSystem:
 
     def _add_drive(self, drive: ExudynDrive) -> Any:
         """Hold the position, the angle of a crank or the displacement of a slider, less the drive's at zero."""
-        name, on = self.prescribed.body, self.prescribed.on
+        name, carrier = self.prescribed.body, self.prescribed.on
         if self.prescribed.slide is None:
-            first, second = self.coordinate(on, TURN), self.coordinate(name, TURN)
+            first, second = self.coordinate(carrier, TURN), self.coordinate(name, TURN)
         else:
             first, second = self.coordinate(GROUND, 0), self.gauge(name)
         # The functions hold no reference to self: through it, they and the system would keep each other alive.

@@ -16,7 +16,7 @@ from scenes.scene import GROUND
 
 from ..coordinates.system import System
 
-LEAST_INERTIA = 1e-9  # of m l^2: MuJoCo has no body without one
+MIN_INERTIA = 1e-9  # of m l^2: MuJoCo has no body without one
 IMPEDANCE = 0.9999  # MuJoCo's limit; a joint's softness is the rest of it, times what its bodies weigh at their joints
 HARDER = 1e-4  # times the reciprocals of those weights: at 1, softness shows in accelerations near dead points
 SOFT = 'solref="{time!r} 1" solimp="0.9 0.95 0.001"'  # MuJoCo's defaults
@@ -63,7 +63,7 @@ def _content(linkage: System, units: MujocoUnits, parent: str) -> Iterator[str]:
         if rigid.mass == 0:
             raise Failure(Status.unsupported, f"'{name}' has no mass, and MuJoCo moves no body without")
         mass = rigid.mass / units.mass
-        inertia = float(max(rigid.inertia / (units.mass * linkage.size**2), LEAST_INERTIA * mass))
+        inertia = float(max(rigid.inertia / (units.mass * linkage.size**2), MIN_INERTIA * mass))
         if not min(inertia, mass) > mujoco.mjMINVAL:
             raise Failure(Status.unsupported, f"'{name}' is too light for MuJoCo beside the heaviest body")
         place, axes = 0j, [("slide", "1 0 0"), ("slide", "0 1 0"), ("hinge", "0 0 1")]
@@ -71,8 +71,8 @@ def _content(linkage: System, units: MujocoUnits, parent: str) -> Iterator[str]:
             place, axes = (guide.through - guide.first) / linkage.size, [("slide", _space(guide.along))]
         named = zip(linkage.coordinates_of(name), axes, strict=True)
         joints = (f'<joint name="{joint}" type="{kind}" axis="{axis}"/>' for joint, (kind, axis) in named)
-        about = f'diaginertia="{inertia!r} {inertia!r} {inertia!r}"'
-        weight = f'<inertial pos="{_space(rigid.com / linkage.size)}" mass="{mass!r}" {about}/>'
+        moments = f'diaginertia="{inertia!r} {inertia!r} {inertia!r}"'
+        weight = f'<inertial pos="{_space(rigid.com / linkage.size)}" mass="{mass!r}" {moments}/>'
         content = "".join((*joints, weight, *_content(linkage, units, name)))
         yield f'<body name="{name}" pos="{_space(place)}">{content}</body>'
 

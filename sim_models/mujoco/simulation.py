@@ -21,7 +21,7 @@ from .engine import MujocoSettings
 from .model import MujocoUnits, model
 
 PRE_ROLL = 6  # steps before the first sample, after which the gaps are those that a step opens
-LARGEST_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
+MAX_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
 SHORTEST_SPRING = 1e-4  # over the size: a shorter one's direction is that of the gaps in the joints
 _sliding = partial(System, slides=True)  # one, by which the starts of scenes are kept
 
@@ -45,8 +45,12 @@ class MujocoSimulation(CoordinateSimulation[System]):
         self._order = np.array([int(self._model.joint(name).qposadr[0]) for name in self._system.coordinates])
         # MuJoCo has a third row for every pin, out of the plane; the last row is the drive's.
         self._in_plane = np.delete(np.arange(3 * len(scene.pins) + 1), np.s_[2:-1:3])
-        before, at = (float(inputs_of(scene, -steps * self._h).driven().position) for steps in (PRE_ROLL + 1, PRE_ROLL))
-        first, second = self._follower.through(self._start, self._follower.system.drive.law.start, [before, at])
+        before, first_position = (
+            float(inputs_of(scene, -steps * self._h).driven().position) for steps in (PRE_ROLL + 1, PRE_ROLL)
+        )
+        first, second = self._follower.through(
+            self._start, self._follower.system.drive.law.start, [before, first_position]
+        )
         self._first, self._branch = (second.x, (second.x - first.x) / h), second.branch
 
     def solve(self) -> None:
@@ -94,9 +98,9 @@ class MujocoSimulation(CoordinateSimulation[System]):
         gap = float(np.abs(self._data.efc_pos[:-1]).max(initial=0.0))
         J = np.reshape(self._data.efc_J, (-1, self._model.nv))[:, self._order]
         same = np.linalg.slogdet(J[self._in_plane])[0] == self._branch
-        if not (gap <= LARGEST_GAP and same):
+        if not (gap <= MAX_GAP and same):
             where = self._scene.where(float(self._positions[row]))
-            if not gap <= LARGEST_GAP:
+            if not gap <= MAX_GAP:
                 raise Failure(Status.diverged, f"a joint is open by {gap:.3g} of the linkage's size at {where}")
             raise Failure(Status.wrong_branch, f"the bodies are assembled another way at {where}")
         return gap
@@ -137,10 +141,10 @@ def forces(
             exerted.append(Wrench(body, moving[body].place(system.arms[body, pin.point]), force))
     for name in (name for name in reversed(system.carriers_first()) if name in system.guides):
         carrier, _, along, first = system.guides[name]
-        of, rigid = moving[name], system.bodies[name]
-        foot, (com, _, acceleration) = of.place(first), of.at(rigid.com)
+        moving_body, rigid = moving[name], system.bodies[name]
+        foot, (com, _, acceleration) = moving_body.place(first), moving_body.at(rigid.com)
         needed = rigid.mass * (acceleration - complex(*(scene.gravity or (0, 0))))
-        moment = rigid.inertia * of.alpha + ((com - foot).conjugate() * needed).imag
+        moment = rigid.inertia * moving_body.alpha + ((com - foot).conjugate() * needed).imag
         for wrench in (wrench for wrench in exerted if wrench.body == name):
             needed, moment = needed - wrench.force, moment - wrench.about(foot)
         across = 1j * along * moving[carrier].turn

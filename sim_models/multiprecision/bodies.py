@@ -8,7 +8,7 @@ from flint import acb, arb
 from scenes import Failure, Scene, Status
 from scenes.scene import Body, DrawnBody
 
-FLAT = 1e-9  # rad; the side of a sketched triangle flatter than this is round-off
+FLAT_TOL = 1e-9  # rad; the side of a sketched triangle flatter than this is round-off
 
 
 def local_points(scene: Scene, body: Body) -> dict[str, acb]:
@@ -46,7 +46,7 @@ def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str
     """Return +1 where the sketch shows a body's point to the left of the way from its first base to its second."""
     A, B, C = (scene.drawn[name] for name in (first, second, point))
     turn = (B - A).conjugate() * (C - A)
-    if not abs(turn.imag) > FLAT * abs(turn):
+    if not abs(turn.imag) > FLAT_TOL * abs(turn):
         reason = f"the sketch shows {first}, {second}, {point} of '{body.name}' on one line, on no side"
         raise Failure(Status.cannot_assemble, reason)
     return 1 if turn.imag > 0 else -1
@@ -78,8 +78,8 @@ def _of_triangles(around: Sequence[acb], density: arb) -> tuple[arb, acb, arb]:
         parts.append((((p - first).conjugate() * (q - first)).imag / 2, (first + p + q) / 3, sides / 36))
     area = sum((part for part, _, _ in parts), arb(0))
     com = sum((part * centre for part, centre, _ in parts), acb(0)) / area
-    own = sum((part * (about + _square(centre - com)) for part, centre, about in parts), arb(0))
-    return density * abs(area), com, density * abs(own)
+    polar = sum((part * (moment + _square(centre - com)) for part, centre, moment in parts), arb(0))
+    return density * abs(area), com, density * abs(polar)
 
 
 def _square(z: acb) -> arb:

@@ -75,9 +75,9 @@ class LinkageEquations:
             self.add_point(rows, row + axis, AXES[axis], *end)
             self.add_point(rows, row + axis, -AXES[axis], *start)
 
-    def add_angle(self, rows: EquationRows, row: int, name: str, on: str) -> None:
+    def add_angle(self, rows: EquationRows, row: int, name: str, other: str) -> None:
         """Add the angle of a body from another; that of the ground is zero."""
-        for body, sign in ((name, 1), (on, -1)):
+        for body, sign in ((name, 1), (other, -1)):
             if body != GROUND:
                 rows.add_angle(row, self.index[body], arb(sign))
 

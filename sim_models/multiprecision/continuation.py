@@ -18,16 +18,16 @@ from scenes.model.motion import Samples
 from .constraints import LinkageEquations
 from .rows import solved
 
-LARGEST_TURN = radians(6)  # of any body in one step: a crank's 72 positions a turn are one step each
+MAX_TURN = radians(6)  # of any body in one step: a crank's 72 positions a turn are one step each
 # The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
 # a singular configuration within their root, 1e-8.
-SMALLEST_TURN = 1e-7
-CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
-ITERATIONS = 12  # contracting from 1/4, at last by the digits of doubles: these reach a hundred
-ON_THE_WAY = SMALLEST_TURN**2  # error of a pose from which the next is predicted
-LEFT_OVER = 1e-8  # of a correction in doubles, as much as `SMALLEST_TURN` takes of their digits
+MIN_TURN = 1e-7
+MAX_CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
+MAX_ITERATIONS = 12  # contracting from 1/4, at last by the digits of doubles: these reach a hundred
+ON_THE_WAY = MIN_TURN**2  # error of a pose from which the next is predicted
+CORRECTION_TOL = 1e-8  # of a correction in doubles, as much as `MIN_TURN` takes of their digits
 TRIALS = 9  # positions from a singular one to the goal, to find one where a joint stays open
-HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
+MAX_HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
 AIM = 0.4  # what that is to be in the next step
 LEAST_FACTOR, LARGEST_FACTOR = 0.5, 2.0  # of one step and the next
 
@@ -63,7 +63,7 @@ class Continuation:
         Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step is as long as
         the change of the Jacobian allows.
         """
-        share, longest = 0.0, LARGEST_TURN
+        share, longest = 0.0, MAX_TURN
         while share < 1:
             self.budget.check(f"it is at {self._place(q)}")
             left = goal - self.rows.value(q)
@@ -75,9 +75,9 @@ class Continuation:
                     break
                 share *= factor
                 self.counters["rejected_steps"] += 1
-                if not share * motion.turn >= SMALLEST_TURN:
+                if not share * motion.turn >= MIN_TURN:
                     raise self._singular(q, goal)
-            q, longest = reached, min(LARGEST_TURN, factor * share * motion.turn)
+            q, longest = reached, min(MAX_TURN, factor * share * motion.turn)
             self.counters["steps"] += 1
         return q
 
@@ -118,7 +118,7 @@ class Continuation:
             return None, LEAST_FACTOR
         change = self._relative(motion.inverse, self._varying(reached) - motion.B)
         factor = max(LEAST_FACTOR, min(AIM / change, LARGEST_FACTOR)) if change > 0 else LARGEST_FACTOR
-        return (reached if change <= HOMOTOPY else None), factor
+        return (reached if change <= MAX_HOMOTOPY else None), factor
 
     def _relative(self, inverse: Samples, change: Samples) -> float:
         """Return how much J changes relative to itself where B changes by ΔB, given J^-1.
@@ -131,7 +131,7 @@ class Continuation:
 
     def _newton(self, q: arb_mat, goal: arb_mat, turn: float, enough: float) -> arb_mat | None:
         """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
-        for _ in range(ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             self.counters["newton_iterations"] += 1
             left = _floats(goal - self.rows.value(q))  # by all digits, all that follows by those of doubles
             try:
@@ -141,9 +141,9 @@ class Continuation:
             q = (q + _balls(correction)).mid()
             last, turn = turn, self._largest_turn(correction, q)
             closes = turn <= enough or turn * turn <= enough * last  # the next turn
-            if closes and LEFT_OVER * np.abs(correction / self._units).max() <= enough:
+            if closes and CORRECTION_TOL * np.abs(correction / self._units).max() <= enough:
                 return q
-            if not (closes or turn <= CONTRACTION * max(last, SMALLEST_TURN)):  # what moves without turning has none
+            if not (closes or turn <= MAX_CONTRACTION * max(last, MIN_TURN)):  # what moves without turning has none
                 return None
         return None
 
@@ -172,8 +172,8 @@ class Continuation:
         open_by = misfit(  # in doubles
             scene,
             np.linspace(here, there, TRIALS)[1:],
-            lambda position, at: _floats(rows.value(_balls(at)) - linkage.drive(position)),
-            lambda at: np.array(rows.jacobian(_balls(at)).tolist(), dtype=float),
+            lambda position, q: _floats(rows.value(_balls(q)) - linkage.drive(position)),
+            lambda q: np.array(rows.jacobian(_balls(q)).tolist(), dtype=float),
             *(_floats(q), self._units, joint_rows(scene.pins, scene.slides), linkage.size),
         )
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"

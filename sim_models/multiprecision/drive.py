@@ -122,10 +122,10 @@ def _segments(written: SegmentedLaw) -> Law:
         time = (cycles - periods) * ends[-1]
         last = bisect_right(ends, time + hair) - 1
         i = min(last, len(written.laws) - 1)
-        law, within, (here, there) = written.laws[i], ends[i + 1] - ends[i], positions[i : i + 2]
+        law, duration, (here, there) = written.laws[i], ends[i + 1] - ends[i], positions[i : i + 2]
         time = ends[last] if abs(time - ends[last]) <= hair else time
         start = here + periods * (positions[-1] - positions[0])
-        way = _way(law, (time - ends[i]) / within, ball(1 / within)) if law else _series(arb(0), arb(0))
+        way = _way(law, (time - ends[i]) / duration, ball(1 / duration)) if law else _series(arb(0), arb(0))
         return _command(cycles * ends[-1], start + (there - here) * way)
 
     return at

@@ -20,10 +20,10 @@ from .constraints import LinkageEquations
 from .contacts import CONTACTS
 from .rows import angles, column, part, solved
 
-GROWTH = 0.5  # largest change of any g in one step of the factor on all coefficients, of the largest g
-LEAST_STEP = 1e-12  # of that factor, so near to one where forces grow without bound, or where two solutions meet
-ITERATIONS = 30  # of Newton's; each end of a contact that lifts off takes one more
-CLOSE = 1e-25  # of the largest g, a last correction; what it leaves is about its square
+MAX_GROWTH = 0.5  # largest change of any g in one step of the factor on all coefficients, of the largest g
+MIN_STEP = 1e-12  # of that factor, so near to one where forces grow without bound, or where two solutions meet
+MAX_ITERATIONS = 30  # of Newton's; each end of a contact that lifts off takes one more
+CORRECTION_TOL = 1e-25  # of the largest g, a last correction; what it leaves is about its square
 ANY_DIRECTION = arb(0, 1)
 
 
@@ -48,7 +48,11 @@ class JointResistance:
 
 
 def resisted(
-    linkage: LinkageEquations, frictions: Sequence[JointResistance], q: arb_mat, velocity: arb_mat, without: arb_mat
+    linkage: LinkageEquations,
+    frictions: Sequence[JointResistance],
+    q: arb_mat,
+    velocity: arb_mat,
+    frictionless: arb_mat,
 ) -> arb_mat:
     """Return the multipliers, from those without friction, then all t and their power; Failure as of `Pressed`."""
     works = [friction.work.jacobian(q) for friction in frictions]
@@ -59,9 +63,11 @@ def resisted(
     units = arb_mat([work.entries() for work in works]).transpose()
     Y = solved(linkage.transposed_groups, linkage.constraints.jacobian(q).transpose(), units)
     viscous = [friction.viscous * rate for friction, rate in zip(frictions, rates, strict=True)]
-    given = without + Y * column(viscous)
-    senses = [(one, one.sense(rate, turning, moving)) for one, rate in zip(frictions, rates, strict=True)]
-    parts = [(i, P, one.rows) for i, one in enumerate(frictions) for P in one.presses]
+    given = frictionless + Y * column(viscous)
+    senses = [
+        (friction, friction.sense(rate, turning, moving)) for friction, rate in zip(frictions, rates, strict=True)
+    ]
+    parts = [(i, P, friction.rows) for i, friction in enumerate(frictions) for P in friction.presses]
     every = range(len(frictions))
     terms = [(i, P * part(given, rows, [0]), P * part(Y, rows, every)) for i, P, rows in parts]
     pressed = Pressed(linkage.scene.where(float(linkage.position.value(q)[0, 0])), senses, terms)
@@ -92,9 +98,9 @@ class Pressed(NamedTuple):
         while factor < 1:
             trial = min(factor + step, 1.0)
             found = self._newton(trial, g)
-            if found and max(abs(x - y) for x, y in zip(found, g, strict=True)) <= GROWTH * max(g):
+            if found and max(abs(x - y) for x, y in zip(found, g, strict=True)) <= MAX_GROWTH * max(g):
                 factor, step, g = trial, 2 * step, found
-            elif step > LEAST_STEP:
+            elif step > MIN_STEP:
                 step /= 2
             else:
                 reason = f"friction holds the linkage at {self.place}, from {factor:.6g} of its coefficients on"
@@ -105,7 +111,7 @@ class Pressed(NamedTuple):
         """Return balls that hold one solution: Newton's method for intervals takes their neighbourhood into itself."""
         try:
             open_by, slopes = self._equations(1.0, g)
-            radius = 2 * max(x.abs_upper() for x in slopes.solve(open_by).entries()) + CLOSE * max(g)
+            radius = 2 * max(x.abs_upper() for x in slopes.solve(open_by).entries()) + CORRECTION_TOL * max(g)
             domain = [x + radius * arb(0, 1) for x in g]
             change = self._equations(1.0, domain)[1].solve(open_by).entries()
             found = [x - dx for x, dx in zip(g, change, strict=True)]
@@ -117,14 +123,14 @@ class Pressed(NamedTuple):
 
     def _newton(self, factor: float, g: Sequence[arb]) -> Sequence[arb] | None:
         """Return g where Newton's method converges, on the side of where two solutions meet that it starts from."""
-        for _ in range(ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             open_by, slopes = self._equations(factor, g)
             try:
                 change = slopes.mid().solve(open_by.mid()).entries()
             except ZeroDivisionError:
                 return None
             g = [(x - dx).mid() for x, dx in zip(g, change, strict=True)]
-            if max(map(abs, change)) <= CLOSE * max(g):
+            if max(map(abs, change)) <= CORRECTION_TOL * max(g):
                 return g if slopes.mid().det() > 0 else None
         return None
 

@@ -28,7 +28,7 @@ from flint import acb, arb, arb_mat
 from scenes.model.constraints import DiagonalBlock
 
 AXES = acb(1), acb(0, 1)  # the unit vectors of x and y
-AT_ONCE = 16  # equations: of so few at 50 digits, FLINT eliminates all in less time than their blocks are taken apart
+MAX_AT_ONCE = 16  # equations: at 50 digits, FLINT eliminates all in less time than their blocks are taken apart
 
 
 class GuideTerm(NamedTuple):
@@ -160,7 +160,7 @@ def _turns(q: arb_mat) -> list[acb]:
 
 def solved(groups: Sequence[DiagonalBlock], matrix: arb_mat, right: arb_mat, **how: Any) -> arb_mat:
     """The solution, column by column, by forward substitution; ZeroDivisionError where no block is proven regular."""
-    if right.nrows() <= AT_ONCE:
+    if right.nrows() <= MAX_AT_ONCE:
         return matrix.solve(right, **how)
     every = range(right.ncols())
     solution = arb_mat(right.nrows(), len(every))

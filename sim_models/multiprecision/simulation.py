@@ -23,7 +23,7 @@ from .loads import generalised_force
 from .rows import angles, solved
 from .start import start, stroke_ends
 
-ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative; far below a double's round-off
+MAX_PROVEN_ERROR = 1e-20  # of the motion and of the forces, relative; far below a double's round-off
 
 
 class Solution(NamedTuple):
@@ -129,9 +129,9 @@ class MultiprecisionSimulation:
                 self._rows.append([float(ball) for ball in (command.time, *_values(linkage, solutions[-1]))])
             self.residuals = proven_errors(linkage, solutions)
         self.counters = continuation.counters
-        for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
-            if proven in self.residuals and not self.residuals[proven] <= ENOUGH:
-                reason = f"{digits} digits prove the {what} only to {self.residuals[proven]:.0e}"
+        for proven, result in (("constraints", "motion"), ("newton-euler", "forces")):
+            if proven in self.residuals and not self.residuals[proven] <= MAX_PROVEN_ERROR:
+                reason = f"{digits} digits prove the {result} only to {self.residuals[proven]:.0e}"
                 raise Failure(Status.not_converged, reason)
 
     def read(self) -> Motion:

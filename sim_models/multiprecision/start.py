@@ -23,7 +23,7 @@ from .rows import solved
 # two of them.
 INSTANTS = 180
 HALVINGS = 24  # of the way between two of them: 1e-9 of a cycle, to 1e-17 of the stroke where the slider stands still
-SHORT = 1e-3  # of the linkage's size: a displacement where the sketch shows a slider's points too near
+MIN_DISPLACEMENT = 1e-3  # of the linkage's size, where the sketch shows a slider's points too near
 FULL_TURN = tau - 1e-6  # rad, but for roundings
 
 
@@ -50,22 +50,22 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
     """
     scene, known = linkage.scene, linkage.scene.drawn
     middle = complex(np.mean([*known.values()] or [0j]))
-    own, at = {}, {}
+    in_body, drawn = {}, {}
     for name, arms in linkage.arms.items():
         shown = [point for point in scene.bodies[name].points if point in known]
-        own[name] = np.array([complex(arms[p]) for p in shown] or [0j])
-        at[name] = np.array([known[p] for p in shown] or [middle])
-    turn = {name: np.vdot(own[name] - own[name].mean(), at[name] - at[name].mean()) for name in own}
+        in_body[name] = np.array([complex(arms[p]) for p in shown] or [0j])
+        drawn[name] = np.array([known[p] for p in shown] or [middle])
+    turn = {name: np.vdot(in_body[name] - in_body[name].mean(), drawn[name] - drawn[name].mean()) for name in in_body}
     total = {name: sum(turn[other] for other in turn if other in scene.aligned[name]) for name in turn}
     for name, slide in scene.slides.items():
         if slide.on != GROUND and total[name] == 0:
             total |= dict.fromkeys(scene.aligned[name], turn_of_guide(linkage, name, position))
-    angle = {name: 0.0 if GROUND in scene.aligned[name] else float(np.angle(total[name])) for name in own}
+    angle = {name: 0.0 if GROUND in scene.aligned[name] else float(np.angle(total[name])) for name in in_body}
     if linkage.prescribed.slide is None:
         angle |= dict.fromkeys(scene.aligned[linkage.prescribed.body], angle.get(linkage.prescribed.on, 0.0) + position)
     q = arb_mat(3 * len(linkage.index), 1)
     for name, i in linkage.index.items():
-        r = at[name].mean() - np.exp(1j * angle[name]) * own[name].mean()
+        r = drawn[name].mean() - np.exp(1j * angle[name]) * in_body[name].mean()
         q[3 * i, 0], q[3 * i + 1, 0], q[3 * i + 2, 0] = arb(r.real), arb(r.imag), arb(angle[name])
     return q
 
@@ -87,7 +87,7 @@ def turn_of_guide(linkage: LinkageEquations, slider: str, position: float) -> co
             w = complex(*slide.through) + place(slider, B) - place(slider, first) - place(slide.on, A)
             ahead, aside = (w * along.conjugate()).real, (w * along.conjugate()).imag
             s = sqrt(max(abs(way) ** 2 - aside**2, 0.0)) - ahead
-            s = position if slider == linkage.prescribed.body else max(s, SHORT * linkage.size)
+            s = position if slider == linkage.prescribed.body else max(s, MIN_DISPLACEMENT * linkage.size)
             return way * (w + along * s).conjugate()
     return 0j
 

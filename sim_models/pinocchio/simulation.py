@@ -13,7 +13,7 @@ from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.system import ClosedPose
 from .system import PinocchioSystem
 
-LOST = 0.1  # gap over the linkage's size, from where nothing pulls the loops together again
+MAX_GAP = 0.1  # gap over the linkage's size, from where nothing pulls the loops together again
 PULL = 5.0  # over the drive's rate of turning, 2 pi a cycle: stable with Heun's method from 16 steps a cycle on
 
 
@@ -68,8 +68,8 @@ class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
         driven = np.transpose(inputs_of(scene, h * np.arange(count + 1)).driven())
         k = PULL * 2 * np.pi / scene.cycle
 
-        def acceleration(pose: ClosedPose, v: Samples, at: Samples, k: float) -> Samples:
-            goal, rate, change = (follower.goal(value) for value in at)
+        def acceleration(pose: ClosedPose, v: Samples, instants: Samples, k: float) -> Samples:
+            goal, rate, change = (follower.goal(value) for value in instants)
             drift = 2 * k * (pose.J @ v - rate) + k**2 * (system.gaps(pose.x) - goal)
             with np.errstate(over="ignore", invalid="ignore"):  # a run that leaves its branch may run away
                 return np.asarray(np.linalg.solve(pose.J, change - system.bend(pose.x, v) - drift))
@@ -88,7 +88,7 @@ class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
             except np.linalg.LinAlgError:
                 ahead = np.full_like(v, np.nan)
             pose, v = follower.pose(pose.x + h * v + h**2 / 2 * a), v + h / 2 * (a + ahead)
-            closed = bool(np.abs(system.gaps(pose.x) - follower.goal(driven[step + 1][0])).max() <= LOST)
+            closed = bool(np.abs(system.gaps(pose.x) - follower.goal(driven[step + 1][0])).max() <= MAX_GAP)
             if not (closed and pose.branch == self._start.branch):
                 status = Status.wrong_branch if closed else Status.diverged
                 raise Failure(status, f"a step left the branch at {self._scene.where(driven[step + 1][0])}")

@@ -53,10 +53,10 @@ class PinocchioSystem(System):
         self._model.gravity = pinocchio.Motion(_space(complex(*(scene.gravity or (0, 0)))), np.zeros(3))
         self._number, self._anchors = {GROUND: 0}, {GROUND: 0j}  # of bodies' joints, and where these are in bodies
         turns = {GROUND: np.zeros(len(self._joints))}
-        for joint, own in zip(self._joints, np.eye(len(self._joints)), strict=True):
+        for joint, axis in zip(self._joints, np.eye(len(self._joints)), strict=True):
             self._number[joint.child] = self._add(joint)
             self._anchors[joint.child] = joint.anchor
-            turns[joint.child] = turns[joint.parent] + joint.turns * own
+            turns[joint.child] = turns[joint.parent] + joint.turns * axis
         self._turns = np.array([*turns.values()])  # of every body by coordinate: 0 or 1
         self._data: Any = self._model.createData()
         pins = {joint.name for joint in self._joints if joint.turns}
@@ -80,12 +80,12 @@ class PinocchioSystem(System):
 
     def moved(self, x: Samples, v: Samples | None = None, a: Samples | None = None) -> dict[str, MovingBody]:
         """Return how bodies move, by Pinocchio's recursions."""
-        q, *rates = (np.zeros(len(self.units)) if of is None else self.units * of for of in (x, v, a))
+        q, *rates = (np.zeros(len(self.units)) if level is None else self.units * level for level in (x, v, a))
         rates = rates if v is not None else []
         pinocchio.forwardKinematics(self._model, self._data, q, *rates)
         levels = self._places(q)
-        for rate, of in zip(rates, (pinocchio.getVelocity, pinocchio.getClassicalAcceleration), strict=False):
-            linear = (of(self._model, self._data, number, WORLD).linear for number in self._number.values())
+        for rate, rate_of in zip(rates, (pinocchio.getVelocity, pinocchio.getClassicalAcceleration), strict=False):
+            linear = (rate_of(self._model, self._data, number, WORLD).linear for number in self._number.values())
             levels += [complex(*vector[:2]) for vector in linear], (self._turns @ rate).tolist()
         return dict(zip(self._number, map(MovingBody, *levels), strict=True))
 
@@ -105,7 +105,7 @@ class PinocchioSystem(System):
 
         `motion` has the coordinates and their two derivatives, each of shape (n,); J is the Jacobian there.
         """
-        motion = [self.units * of for of in motion]
+        motion = [self.units * level for level in motion]
         loads = [*self.applied(bodies, ends)]
         needed = self.units * self._inverse_dynamics(bodies, motion, loads)
         multipliers = np.linalg.solve(J.T, needed) / self.row_units
@@ -131,12 +131,12 @@ class PinocchioSystem(System):
         """Yield what the joints that close loops and the drive do, by their multipliers in the order of the rows."""
         rows = iter(multipliers.tolist())
         for pin in self.pins:
-            at, force = bodies[pin.second].place(self.arms[pin.second, pin.point]), complex(next(rows), next(rows))
-            yield from (Wrench(pin.second, at, force), Wrench(pin.first, at, -force))
+            place, force = bodies[pin.second].place(self.arms[pin.second, pin.point]), complex(next(rows), next(rows))
+            yield from (Wrench(pin.second, place, force), Wrench(pin.first, place, -force))
         for name in self.sliders:
             carrier, _, along, first = self.guides[name]
-            at, force, moment = bodies[name].place(first), 1j * bodies[carrier].turn * along * next(rows), next(rows)
-            yield from (Wrench(name, at, force, moment), Wrench(carrier, at, -force, -moment))
+            foot, force, moment = bodies[name].place(first), 1j * bodies[carrier].turn * along * next(rows), next(rows)
+            yield from (Wrench(name, foot, force, moment), Wrench(carrier, foot, -force, -moment))
         driven, effort = self.drive.body, next(rows)
         if self.drive.slide is None:
             yield Wrench(driven, 0j, 0j, effort)
@@ -154,8 +154,8 @@ class PinocchioSystem(System):
         forces: Any = pinocchio.StdVec_Force()
         forces.extend([pinocchio.Force.Zero()] * self._model.njoints)
         for body, number in self._number.items():
-            own = linear[body] * bodies[body].turn.conjugate()
-            forces[number] = pinocchio.Force(_space(own), np.array([0.0, 0.0, angular[body]]))
+            in_body = linear[body] * bodies[body].turn.conjugate()
+            forces[number] = pinocchio.Force(_space(in_body), np.array([0.0, 0.0, angular[body]]))
         return np.asarray(pinocchio.rnea(self._model, self._data, *motion, forces))
 
     def _places(self, q: Samples) -> tuple[list[Any], ...]:
@@ -170,8 +170,8 @@ class PinocchioSystem(System):
         place = pinocchio.SE3(np.eye(3), _space(joint.at - self._anchors[joint.parent]))
         number: int = self._model.addJoint(self._number[joint.parent], kind, place, joint.child)  # one joint a body
         body = self.bodies[joint.child]
-        about = np.diag([body.inertia / 2, body.inertia / 2, body.inertia])  # only the last matters in the plane
-        inertia = pinocchio.Inertia(body.mass, _space(body.com - joint.anchor), about)
+        tensor = np.diag([body.inertia / 2, body.inertia / 2, body.inertia])  # only the last matters in the plane
+        inertia = pinocchio.Inertia(body.mass, _space(body.com - joint.anchor), tensor)
         self._model.appendBodyToJoint(number, inertia, pinocchio.SE3.Identity())
         return number
 
@@ -184,12 +184,16 @@ def _spanned(linkage: System) -> Iterator[TreeJoint]:
         for pin in linkage.scene.pins
     ]
     guides = linkage.guides.items()
-    joints += (TreeJoint(name, of.carrier, name, of.through, of.first, of.along, 1) for name, of in guides)
+    joints += (
+        TreeJoint(name, guide.carrier, name, guide.through, guide.first, guide.along, 1) for name, guide in guides
+    )
     reached = [GROUND]
     for body in reached:
-        for own in joints:
-            other_way = TreeJoint(own.name, own.child, own.parent, own.anchor, own.at, -own.along, -1)
-            joint = own if own.parent == body else other_way
+        for candidate in joints:
+            other_way = TreeJoint(
+                candidate.name, candidate.child, candidate.parent, candidate.anchor, candidate.at, -candidate.along, -1
+            )
+            joint = candidate if candidate.parent == body else other_way
             if joint.parent == body and joint.child not in reached:
                 reached.append(joint.child)
                 yield joint

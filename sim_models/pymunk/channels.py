@@ -84,8 +84,8 @@ def wanted_channels(
         samples |= zip(rates, (level[:, linkage.index[body], 2] for level in motion), strict=True)
     if not forces:
         return samples
-    at = instants(linkage, time, motion.q, motion.v)
-    found = reaction_channels(linkage, motion, applied(linkage, at, active_presses(linkage, at, stroke_ends)))
+    instant = instants(linkage, time, motion.q, motion.v)
+    found = reaction_channels(linkage, motion, applied(linkage, instant, active_presses(linkage, instant, stroke_ends)))
     return samples | (with_friction(linkage, time, motion.q, found) if scene.friction else found)
 
 

@@ -79,8 +79,8 @@ class LinkageConstraints:
     def displacement(self, slider: str, z: Any, turn: Any) -> Any:
         """How far a body is along its guide, m, by z and exp(i theta) of the bodies and the ground by their number."""
         slide, i = self.slides[slider], self.index[slider]
-        on = self.index[slide.on]
-        from_carrier = (z[i] + self.first_arm(slider) * turn[i] - z[on]) * turn[on].conjugate()
+        carrier = self.index[slide.on]
+        from_carrier = (z[i] + self.first_arm(slider) * turn[i] - z[carrier]) * turn[carrier].conjugate()
         return (complex(*slide.along).conjugate() * (from_carrier - self.through(slider))).real
 
     def drive_position(self, q: PoseArray) -> Samples:

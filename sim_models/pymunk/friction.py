@@ -24,10 +24,10 @@ from .constraints import LinkageConstraints, PoseArray, determinant_sign, solved
 from .contacts import CONTACTS, Largest
 from .start import closed
 
-SMALLEST_STEP = 1e-7  # of the factor; what takes a smaller one jams
-GROWTH = 3.0  # of a force in a step, by the largest before: a larger one may belong to another solution
-NEWTON_STEPS = 30
-CONVERGED = 1e-10  # of the largest force, what the last step changes; the error left is its square
+MIN_STEP = 1e-7  # of the factor; what takes a smaller one jams
+MAX_GROWTH = 3.0  # of a force in a step, by the largest before: a larger one may belong to another solution
+MAX_NEWTON_STEPS = 30
+CONVERGED_TOL = 1e-10  # of the largest force, what the last step changes; the error left is its square
 
 
 class RubbingJoints:
@@ -36,12 +36,12 @@ class RubbingJoints:
     def __init__(self, linkage: LinkageConstraints) -> None:
         scene = linkage.scene
         self.laws, names = scene.friction, scene.channels.names(Role.force)
-        self.contacts = contacts = [CONTACTS[type(one)] for one in self.laws]
+        self.contacts = contacts = [CONTACTS[type(law)] for law in self.laws]
         self._guides = np.array([contact.sides for contact in contacts])
         each = [*zip(contacts, self.laws, strict=True)]
-        self._forces = np.array([[names.index(name) for name in contact.carried(one, scene)] for contact, one in each])
-        self._levers = np.array([contact.levers(one) for contact, one in each])
-        self._radii = np.array([contact.radius(one) for contact, one in each])
+        self._forces = np.array([[names.index(name) for name in contact.carried(law, scene)] for contact, law in each])
+        self._levers = np.array([contact.levers(law) for contact, law in each])
+        self._radii = np.array([contact.radius(law) for contact, law in each])
 
     def pressed(self, forces: Samples, per_force: Samples) -> tuple[Samples, Samples]:
         """The joints' own forces, shape (n, k), N, and how they change with k others by which `forces` change."""
@@ -55,7 +55,7 @@ class RubbingJoints:
 
     def coefficients(self, factor: Samples) -> Samples:
         """What friction takes of the joints' own forces, m or 1, with factors, (n,), on all coefficients; (n, k)."""
-        mu = np.multiply.outer(factor, [one.coefficient for one in self.laws])
+        mu = np.multiply.outer(factor, [law.coefficient for law in self.laws])
         return np.where(self._guides, mu, self._radii * mu / np.sqrt(1 + mu**2))
 
 
@@ -76,11 +76,13 @@ def _solved(
 ) -> Samples:
     """All forces, frictions and their power, shape (n, m + k + 1), by the m forces without the k frictions."""
     J, d = linkage.jacobian(q), np.moveaxis(directions(linkage, q), 1, 0)
-    unit = np.stack([solved(J.swapaxes(1, 2), one.reshape(len(q), -1)).reshape(len(q), -1) for one in d], axis=2)
+    unit = np.stack(
+        [solved(J.swapaxes(1, 2), direction.reshape(len(q), -1)).reshape(len(q), -1) for direction in d], axis=2
+    )
     rate = unit[:, -1] * of_drive[:, None]  # of the joint: what it does to the drive, by virtual work
     largest = _largest(linkage, q, solved(J, of_drive[:, None] * np.eye(J.shape[1])[-1]))
     each = zip(joints.laws, joints.contacts, rate.T, strict=True)
-    sense = np.stack([law.sense(own, contact.largest(largest)) for law, contact, own in each], axis=1)
+    sense = np.stack([law.sense(rates, contact.largest(largest)) for law, contact, rates in each], axis=1)
     viscous = rate * np.array([law.viscous or 0.0 for law in joints.laws])
     free = free + np.einsum("nmk,nk->nm", unit, viscous)
     g, jams = _continued(joints, sense, unit, free)
@@ -96,8 +98,8 @@ def directions(linkage: LinkageConstraints, q: PoseArray) -> PoseArray:
     scene, index = linkage.scene, linkage.index
     slid = linkage.slide_gradients(with_ground(q)).real
     d = np.zeros((len(q), len(scene.friction), len(index), 3))
-    for number, one in enumerate(scene.friction):
-        CONTACTS[type(one)].direct(one, linkage, slid, d[:, number])
+    for number, law in enumerate(scene.friction):
+        CONTACTS[type(law)].direct(law, linkage, slid, d[:, number])
     return d[:, :, :-1]
 
 
@@ -117,11 +119,11 @@ def _continued(
     """The joints' own forces, shape (n, k), from those without friction on, and where that ends before the factor 1."""
     g, _ = joints.pressed(free, unit)
     factor, step = np.zeros(len(g)), np.ones(len(g))
-    while (rows := np.flatnonzero((factor < 1) & (step > SMALLEST_STEP))).size:
+    while (rows := np.flatnonzero((factor < 1) & (step > MIN_STEP))).size:
         ahead = np.minimum(1, factor[rows] + step[rows])
         per_force = unit[rows] * (joints.coefficients(ahead) * senses[rows])[:, None]
         found, fits = _newton(joints, free[rows], per_force, g[rows])
-        fits &= np.abs(found - g[rows]).max(axis=1) <= GROWTH * g[rows].max(axis=1)
+        fits &= np.abs(found - g[rows]).max(axis=1) <= MAX_GROWTH * g[rows].max(axis=1)
         step[rows] = np.where(fits, 2, 0.5) * step[rows]
         factor[rows[fits]], g[rows[fits]] = ahead[fits], found[fits]
     return g, factor < 1
@@ -129,14 +131,14 @@ def _continued(
 
 def _newton(joints: RubbingJoints, free: Samples, per_force: Samples, g: Samples) -> tuple[Samples, NDArray[np.bool_]]:
     """Solve for the joints' own forces from g on, shape (n, k), and tell where that converged on the branch."""
-    for _ in range(NEWTON_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         pressed, slopes = joints.pressed(free + np.einsum("nmk,nk->nm", per_force, g), per_force)
         matrix = np.eye(g.shape[1]) - slopes
         signs = determinant_sign(matrix)
         matrix[signs == 0] = np.nan
         change = np.linalg.solve(matrix, (pressed - g)[..., None])[..., 0]
         g = g + change
-        fits = (signs > 0) & (np.abs(change).max(axis=1) <= CONVERGED * np.abs(g).max(axis=1))
+        fits = (signs > 0) & (np.abs(change).max(axis=1) <= CONVERGED_TOL * np.abs(g).max(axis=1))
         if fits.all():
             break
     return g, fits

@@ -24,7 +24,7 @@ from .constraints import LinkageConstraints, PoseArray, planes, with_ground
 from .elements import RULES, BodyForce, Instant, Situation
 from .masses import fictitious_masses
 from .space import Bodies
-from .start import SCENES, DrivePlace, begun, move, rates, start, way
+from .start import MAX_SCENES, DrivePlace, begun, move, rates, start, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
 HALF_TURN = pi + 1e-9  # rad: an angle so little beyond half a turn is half a turn, but for rounding
@@ -56,7 +56,7 @@ def applied(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[n
     return total
 
 
-@lru_cache(SCENES)
+@lru_cache(MAX_SCENES)
 def whole_turns(linkage: LinkageConstraints) -> Mapping[str, float]:
     """What torsion springs' angles, at time zero within half a turn or the drive's, have beyond the pose's, rad."""
     springs, index = linkage.scene.of_type(TorsionSpring), linkage.index
@@ -136,7 +136,7 @@ def _constant(linkage: LinkageConstraints, name: str, body: pymunk.Body) -> tupl
     return pair(force), 0j if body.moment == np.inf else moment
 
 
-@lru_cache(SCENES)
+@lru_cache(MAX_SCENES)
 def stroke_ends(scene: Scene) -> Sequence[float]:
     """Where the closing strokes of the press forces end, m; once a scene, since its whole way is searched."""
     if not scene.presses:

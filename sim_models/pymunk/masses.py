@@ -76,15 +76,15 @@ def own_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
 
 def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Take them with ballast at pins to the ground and to the driven body, which is moved; Failure as of these."""
-    own = {name: Inertia(b.com, b.mass, b.inertia) for name, b in rigids.items() if name not in scene.driven}
+    moved = {name: Inertia(b.com, b.mass, b.inertia) for name, b in rigids.items() if name not in scene.driven}
     extra = BALLAST * sum(body.mass for body in rigids.values())
     for name, pin in held(scene).items():
         body, point = rigids[name], pin.point
         mass = body.mass + extra
         arm = body.com - body.points[point]
         moment = body.inertia + body.mass * extra / mass * abs(arm) ** 2 if mass else 0.0
-        own[name] = Inertia(body.points[point] + (body.mass / mass * arm if mass else 0), mass, moment)
-    return {**_movable(scene, own, rigids), **{drive.body: _driven(scene, drive, rigids) for drive in scene.drives}}
+        moved[name] = Inertia(body.points[point] + (body.mass / mass * arm if mass else 0), mass, moment)
+    return {**_movable(scene, moved, rigids), **{drive.body: _driven(scene, drive, rigids) for drive in scene.drives}}
 
 
 def held(scene: Scene) -> dict[str, Pin]:
@@ -113,9 +113,9 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
             for pin in scene.pins:
                 if name in (pin.first, pin.second) and {pin.first, pin.second} & earlier:
                     origin, mass, moment = body.points[pin.point], scale / RATIO, scale * light * size**2
-            on = name
-            while on in scene.slides and scene.slides[on].on != GROUND:
-                on, moment = scene.slides[on].on, light * moment  # so that the gear hardly turns the carrier
+            carrier = name
+            while carrier in scene.slides and scene.slides[carrier].on != GROUND:
+                carrier, moment = scene.slides[carrier].on, light * moment  # so that the gear hardly turns the carrier
             chosen[name] = Inertia(origin, mass, inf if GROUND in scene.aligned[name] else moment)
         scale *= RATIO**3
     return chosen
@@ -129,7 +129,7 @@ def assur_groups(scene: Scene) -> Iterator[list[str]]:
     columns = {name: range(3 * i, 3 * i + 3) for i, name in enumerate(scene.bodies)} | {GROUND: range(0)}
     joints = [(pin.first, pin.second) for pin in scene.pins]
     joints += [(name, slide.on) for name, slide in scene.slides.items()]
-    pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
+    pattern = [[*columns[first], *columns[second]] for first, second in joints for _ in range(2)]
     pattern += [[*columns[drive.on], *columns[drive.body]] for drive in scene.drives]
     bodies, prescribed = [*scene.bodies], {drive.body for drive in scene.drives if drive.on == GROUND}
     for block in groups(pattern):

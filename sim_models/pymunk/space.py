@@ -22,8 +22,8 @@ from .bodies import pair
 from .constraints import LinkageConstraints, PoseArray, solved
 from .settings import PymunkExtra
 
-AIMS = 6  # at most; each is off by a hundredth of the one before, by how far a step turns the bodies
-ON_TARGET = 1e-14  # of the linkage's size
+MAX_AIMS = 6  # at most; each is off by a hundredth of the one before, by how far a step turns the bodies
+TARGET_TOL = 1e-14  # of the linkage's size
 
 Bodies: TypeAlias = dict[str, pymunk.Body]
 
@@ -38,8 +38,10 @@ class Model:
         self.space = pymunk.Space()  # its damping stays 1, no damping, and without shapes nothing collides
         inertias = {name: linkage.moved[name] for name in linkage.members}
         self.bodies = {
-            name: pymunk.Body(body_type=pymunk.Body.KINEMATIC) if own.prescribed else pymunk.Body(own.mass, own.moment)
-            for name, own in inertias.items()
+            name: pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            if inertia.prescribed
+            else pymunk.Body(inertia.mass, inertia.moment)
+            for name, inertia in inertias.items()
         }
         self.space.add(*self.bodies.values())
         self.place(pose, rate)
@@ -78,8 +80,8 @@ class Model:
         J, gaps = linkage.jacobian(q), linkage.gaps(q, np.array([position]))
         step, ratio = solved(np.concatenate([J, J]), np.stack([-gaps[0], np.eye(gaps.size)[-1]]))
         aimed, missed = position, np.inf
-        for _ in range(AIMS):
-            if abs(missed) > ON_TARGET * linkage.size:
+        for _ in range(MAX_AIMS):
+            if abs(missed) > TARGET_TOL * linkage.size:
                 missed = float(linkage.drive_position(q + step + (aimed - position) * ratio)[0]) - position
                 aimed -= missed
         assert self.drive is not None
@@ -113,10 +115,10 @@ def _pins(linkage: LinkageConstraints, bodies: Bodies) -> dict[str, pymunk.Const
     """The pins; a kinematic crank needs none on the ground."""
     pins: dict[str, pymunk.Constraint] = {}
     for pin in linkage.scene.pins:
-        one, other = bodies[pin.first], bodies[pin.second]
-        if pymunk.Body.DYNAMIC in (one.body_type, other.body_type):
+        first, second = bodies[pin.first], bodies[pin.second]
+        if pymunk.Body.DYNAMIC in (first.body_type, second.body_type):
             arms = (pair(linkage.arm(name, pin.point)) for name in (pin.first, pin.second))
-            pins[pin.channel] = pymunk.PivotJoint(one, other, *arms)
+            pins[pin.channel] = pymunk.PivotJoint(first, second, *arms)
     return pins
 
 

@@ -21,23 +21,23 @@ from .constraints import ComplexArray, LinkageConstraints, PoseArray
 from .masses import Masses, fictitious_masses
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
-LARGEST_PART = 1 / 72  # of the drive's range in one continuation step, or of a longer way to it
-LARGEST_CLOSING = 0.1  # of the sketch's gaps in one continuation step
-SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is singular
-NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to another one
-PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
+MAX_PART = 1 / 72  # of the drive's range in one continuation step, or of a longer way to it
+MAX_CLOSING = 0.1  # of the sketch's gaps in one continuation step
+MIN_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is singular
+MAX_NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to another one
+MAX_PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
 SECONDS = 10.0  # of processor time on one path, half of what an engine's process has; the shipped scenes take 0.03
 TRIALS = 9  # places within a step, from where there is no next one, to find one where the bodies stay apart
-LEAST_PUSH = 1e-3  # of the linkage's size: a cylinder's displacement where the sketch has its pins too close
-CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
-SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
+MIN_PUSH = 1e-3  # of the linkage's size: a cylinder's displacement where the sketch has its pins too close
+CLOSED_TOL = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
+MAX_SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
 DrivePlace: TypeAlias = tuple[float, PoseArray]  # a position of the drive, rad or m, and the pose there
 Gaps: TypeAlias = Samples | float  # what the constraints are to be, shape (3 bodies,)
 Shown: TypeAlias = Mapping[str, ComplexArray]  # by body the arms and places of its points in the sketch, (2, points)
 
 
-@lru_cache(SCENES)
+@lru_cache(MAX_SCENES)
 def begun(scene: Scene, masses: Masses) -> tuple[LinkageConstraints, PoseArray]:
     """The linkage with those masses, and its pose at the drive's start, shape (1, bodies, 3); once a scene."""
     linkage = LinkageConstraints(scene, masses)
@@ -49,7 +49,7 @@ def start(linkage: LinkageConstraints) -> PoseArray:
     position = linkage.drive.in_range(linkage.scene.sketch.drive)
     q = _sketch(linkage, position)
     gaps = linkage.gaps(q, np.array([position]))
-    *_, (_, q) = _follow(linkage, q, lambda s: (position, (1 - s) * gaps), LARGEST_CLOSING)
+    *_, (_, q) = _follow(linkage, q, lambda s: (position, (1 - s) * gaps), MAX_CLOSING)
     return move(linkage, q, position, linkage.drive.law.start)
 
 
@@ -89,14 +89,14 @@ def _angles(linkage: LinkageConstraints, shown: Shown, position: float) -> dict[
     A common angle of bodies fits the arms a of their points p best where sum conj(a) p is real, both less their means.
     """
     scene = linkage.scene
-    ground, on, driven = (scene.aligned[name] for name in (GROUND, linkage.drive.on, linkage.drive.body))
+    ground, carrier, driven = (scene.aligned[name] for name in (GROUND, linkage.drive.on, linkage.drive.body))
     angles = {ground: 0.0}
     for group in {*scene.aligned.values()} - {ground}:
         fits = (np.vdot(a - a.mean(), p - p.mean()) for a, p in (shown[name] for name in sorted(group)) if len(a))
         if fit := sum(fits) or _fit_of_pairs(linkage, group, shown, position):
             angles[group] = float(np.angle(fit))
     if linkage.drive.slide is None:
-        angles[driven] = angles.setdefault(on, angles.get(driven, position) - position) + position
+        angles[driven] = angles.setdefault(carrier, angles.get(driven, position) - position) + position
     return dict.fromkeys(scene.aligned.values(), 0.0) | angles
 
 
@@ -106,18 +106,18 @@ def _fit_of_pairs(linkage: LinkageConstraints, group: frozenset[str], shown: Sho
     Of a slider that is not driven the displacement is the positive one with which they are as far apart as shown.
     """
     for name in sorted(group & linkage.slides.keys()):
-        along, on = complex(*linkage.slides[name].along), linkage.slides[name].on
-        for (a, A), (b, B) in product(shown[on].T, shown[name].T):
+        along, carrier = complex(*linkage.slides[name].along), linkage.slides[name].on
+        for (a, A), (b, B) in product(shown[carrier].T, shown[name].T):
             apart = linkage.through(name) + b - linkage.first_arm(name) - a  # in the carrier's frame, at zero
-            off, before = (along.conjugate() * apart).imag, (along.conjugate() * apart).real
-            further = max(sqrt(max(abs(B - A) ** 2 - off**2, 0.0)) - before, LEAST_PUSH * linkage.size)
+            across, before = (along.conjugate() * apart).imag, (along.conjugate() * apart).real
+            further = max(sqrt(max(abs(B - A) ** 2 - across**2, 0.0)) - before, MIN_PUSH * linkage.size)
             if B != A:
                 s = position if name == linkage.drive.body else further
                 return complex((B - A) * (apart + s * along).conjugate())
     return 0j
 
 
-@lru_cache(SCENES)
+@lru_cache(MAX_SCENES)
 def obstacle(scene: Scene) -> tuple[Status, str] | None:
     """What the pose at the drive's start meets on its way through the whole range, once a scene."""
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
@@ -147,10 +147,13 @@ def way(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) ->
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
     low, high = linkage.drive.law.extent
     unit = 1.0 if linkage.drive.slide is None else linkage.size
-    step = min(LARGEST_TURN * unit, LARGEST_PART * max(high - low, abs(there - here)))
+    step = min(LARGEST_TURN * unit, MAX_PART * max(high - low, abs(there - here)))
     return _follow(linkage, q, lambda s: (here + s * (there - here), 0.0), step / max(abs(there - here), step))
 
 
+# Continuation with Newton's method as the corrector: a step that has no solution, or one on another branch, is halved,
+# and the next one after a good step is twice as long, up to the largest. It fails where a step would be shorter than
+# `MIN_STEP` (`_stuck` finds out why), or when its processor time is used up.
 def _follow(
     linkage: LinkageConstraints, q: PoseArray, path: Callable[[float], tuple[float, Gaps]], largest: float
 ) -> Iterator[DrivePlace]:
@@ -166,7 +169,7 @@ def _follow(
         if pose is not None and linkage.branch(pose) == here:
             q, s, step = pose, ahead, min(largest, 2 * step)
             yield position, q
-        elif step > SMALLEST_STEP:
+        elif step > MIN_STEP:
             step /= 2
         else:
             raise _stuck(linkage, q, position, gaps, path(min(1.0, s + largest))[0])
@@ -175,13 +178,13 @@ def _follow(
 def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Gaps, ahead: float) -> Failure:
     """Tell why there is no next place: none exists, or two are too close together; `ahead` is a step further."""
     scene, where = linkage.scene, linkage.scene.where(position)
-    if _newton(linkage, q, np.array([position]), gaps, PATIENT_NEWTON_STEPS) is None:
+    if _newton(linkage, q, np.array([position]), gaps, MAX_PATIENT_NEWTON_STEPS) is None:
         units, joints = np.tile([linkage.size, linkage.size, 1.0], q.shape[1]), joint_rows(scene.pins, scene.slides)
         open_by = misfit(
             scene,
             np.linspace(position, ahead, TRIALS)[1:],
-            lambda position, at: linkage.gaps(at.reshape(q.shape), np.array([position]))[0],
-            lambda at: linkage.jacobian(at.reshape(q.shape))[0],
+            lambda position, pose: linkage.gaps(pose.reshape(q.shape), np.array([position]))[0],
+            lambda pose: linkage.jacobian(pose.reshape(q.shape))[0],
             *(q.ravel(), units, joints, linkage.size),
         )
         return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}{open_by}")
@@ -189,12 +192,12 @@ def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Gap
 
 
 def _newton(
-    linkage: LinkageConstraints, q: PoseArray, positions: Samples, gaps: Gaps = 0.0, steps: int = NEWTON_STEPS
+    linkage: LinkageConstraints, q: PoseArray, positions: Samples, gaps: Gaps = 0.0, steps: int = MAX_NEWTON_STEPS
 ) -> PoseArray | None:
     """The solutions of C(q) = gaps near n poses q, shape (n, bodies, 3), or None if any has none."""
     for _ in range(steps):
         excess = linkage.gaps(q, positions) - gaps
-        if np.abs(excess).max() <= CLOSED * linkage.size:
+        if np.abs(excess).max() <= CLOSED_TOL * linkage.size:
             return q
         try:
             q = q - np.linalg.solve(linkage.jacobian(q), excess[..., None]).reshape(q.shape)

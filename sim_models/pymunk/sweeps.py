@@ -20,10 +20,10 @@ from scenes.model.motion import Samples
 from .constraints import LinkageConstraints, PoseArray
 from .masses import fictitious_masses, masses_of
 from .settings import PymunkSettings
-from .start import SCENES, begun, way
+from .start import MAX_SCENES, begun, way
 
-LEFT = 1e-4  # of an error that a step starts with
-MOST = 20_000  # sweeps a step
+MAX_LEFT = 1e-4  # of an error that a step starts with
+MAX_SWEEPS = 20_000  # sweeps a step
 
 
 def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
@@ -35,15 +35,17 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     return sweeps_needed(rho, 1 / (1 + settings.corrected(scene.cycle / settings.steps)))
 
 
-@lru_cache(SCENES)
+@lru_cache(MAX_SCENES)
 def enough_sweeps(scene: Scene) -> int:
     """The number of sweeps that leave next to nothing of an error, of fictitious masses, throughout the drive's range.
 
     Where the drive prescribes no body's motion, no choice of masses makes few sweeps converge.
     """
-    needed = sweeps_needed(max(contractions(*begun(scene, fictitious_masses))), LEFT)
-    if not needed <= MOST:
-        raise Failure(Status.not_converged, f"a step would need {needed:.2g} sweeps over the joints, more than {MOST}")
+    needed = sweeps_needed(max(contractions(*begun(scene, fictitious_masses))), MAX_LEFT)
+    if not needed <= MAX_SWEEPS:
+        raise Failure(
+            Status.not_converged, f"a step would need {needed:.2g} sweeps over the joints, more than {MAX_SWEEPS}"
+        )
     return int(needed)
 
 
@@ -65,7 +67,7 @@ def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float
 def contraction(linkage: LinkageConstraints, q: PoseArray) -> float:
     """Return rho, the part of an error that a sweep leaves in the long run, in a pose, shape (1, bodies, 3)."""
     inertias = [linkage.moved[name] for name in linkage.members]
-    ease = np.array([(1 / own.mass, 1 / own.mass, 1 / own.moment) for own in inertias]).ravel()
+    ease = np.array([(1 / inertia.mass, 1 / inertia.mass, 1 / inertia.moment) for inertia in inertias]).ravel()
     # The space has no joints between bodies that are prescribed.
     joints = [rows for rows in _joints(linkage, linkage.jacobian(q)[0]) if (rows * ease).any()]
     if not joints:

@@ -85,7 +85,7 @@ def test_few_positions_go_to_the_machine_code_at_once(name: str, monkeypatch: py
 @SLOW
 def test_reductions_are_by_machine_code_where_it_is_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, channels, values = scenes.load("four_bar"), frozenset(["B.x"]), list[float]()
-    monkeypatch.setattr("analytic.recorded.fast.MANY", 1000)
+    monkeypatch.setattr("analytic.recorded.fast.MIN_SAMPLES", 1000)
     for _ in range(2):
         machine_line.cache_clear()
         largest = analytic.Extremes("B.x", 2)

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from compare.engines import registry
-from compare.measure.speed.speed_table import LEAST_ROUNDS, PATIENCE
+from compare.measure.speed.speed_table import MIN_ROUNDS, PATIENCE
 from compare.report.output.files import _write_motion
 from compare.run import main
 from scenes import Motion, Scene, load, shipped
@@ -104,7 +104,7 @@ def test_speed_file(results: Path) -> None:
         assert "balanced" in " ".join(speed["tier"][speed["engine"] == engine].dropna())
     assert (speed["solve_min_s"] > 0).all()
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
-    few = speed[(speed["timed_runs"] < LEAST_ROUNDS) & speed["build_s"].notna()]  # those of the main runs have none
+    few = speed[(speed["timed_runs"] < MIN_ROUNDS) & speed["build_s"].notna()]  # those of the main runs have none
     with_one_more = (few["timed_runs"] + 1) * (few["build_s"] + few["solve_median_s"])
     assert (with_one_more > PATIENCE / len(speed)).all(), "fewer of slow settings alone"
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"

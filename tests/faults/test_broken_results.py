@@ -102,7 +102,7 @@ def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.Cap
 def test_a_file_that_is_too_large(
     good: Broken, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(table, "BYTES", 500)
+    monkeypatch.setattr(table, "MAX_BYTES", 500)
     assert "expected a file of 500 bytes at most, found one of more" in refused(tmp_path, good, capsys)
 
 

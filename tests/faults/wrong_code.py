@@ -16,7 +16,7 @@ from compare.engines.registry import REFERENCE
 from compare.engines.runner import Run, Runs, run
 from compare.judge.agreement import Judgement
 from compare.judge.canaries.canaries import canaries
-from compare.judge.canaries.noticed import CLEAR
+from compare.judge.canaries.noticed import CLEAR_ERROR
 from compare.judge.canaries.spoilt_motion import shifted
 from compare.judge.causes.cause import Kind
 from compare.judge.floor import establish
@@ -173,7 +173,7 @@ def _to_be_refused(name: str) -> tuple[Judgement, tuple[Run, ...]]:
         allowed = clean.scene.tolerances.get(measured.run.engine, {})
         for channel in of.channels[:: max(len(of.channels) // FAULTS, 1)]:
             for most in {of.promise, allowed.get(named(channel).group, of.promise)}:
-                motions.append(shifted(of.motion, {channel: CLEAR * most * of.size(channel).max()}))
+                motions.append(shifted(of.motion, {channel: CLEAR_ERROR * most * of.size(channel).max()}))
         spoilt += [replace(measured.run, motion=motion) for motion in motions]
     return clean, tuple(one for one in spoilt if not _passes(clean, one))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compare.engines import registry
-from papers.claims import EXACT, Claim, Verdict, half_unit
+from papers.claims import EQUATION_TOL, Claim, Verdict, half_unit
 from papers.clamp.claims import ENGINES, by_engines, claims
 from papers.clamp.formulas import MEASURES
 from papers.clamp.printed import TABLE_2
@@ -62,7 +62,7 @@ def test_the_clamps_verdicts(rows: dict[str, Claim]) -> None:
     for name in ("R_V", "omega_1", "omega_2", "omega_4", "epsilon_1", "M_P"):
         assert rows[f"eq {name}"].verdict is Verdict.HOLDS
     for name in ("eq R_S", "eq a_m"):
-        assert (rows[name].corrected_residual or 0.0) <= EXACT
+        assert (rows[name].corrected_residual or 0.0) <= EQUATION_TOL
     assert rows["constraint on L1/L2, scheme 4"].verdict is Verdict.INCONSISTENT
     assert rows["constraint on S_m, scheme 4"].verdict is Verdict.UNDERDETERMINED
     assert rows["constraint, toggle-lock stability, initial"].verdict is Verdict.MISPRINT

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from papers.claims import EXACT, Claim, Verdict, judge
+from papers.claims import EQUATION_TOL, Claim, Verdict, judge
 from papers.toggle_press.claims import claims
 from papers.toggle_press.kinematics import POSITIONS, RATES, over_two_turns, scale_of
 from papers.written import Symbols
@@ -40,7 +40,7 @@ def test_the_kinematic_verdicts(rows: dict[str, Claim]) -> None:
         assert row.verdict is expected, name
         held = row.residual if expected is Verdict.HOLDS else row.corrected_residual
         assert held is not None
-        assert held <= EXACT
+        assert held <= EQUATION_TOL
         if expected is not Verdict.HOLDS:
             assert row.residual is not None
             assert row.residual > 0.1  # a misprint is no rounding error
@@ -54,7 +54,7 @@ def test_the_kinetostatic_verdicts(rows: dict[str, Claim]) -> None:
     for name, claim in forces.items():
         held = claim.residual if name in holding else claim.corrected_residual
         assert held is not None
-        assert held <= EXACT, name  # the corrected form has the reference's reactions
+        assert held <= EQUATION_TOL, name  # the corrected form has the reference's reactions
 
 
 def test_a_wrong_correction_is_no_correction(variables: Symbols) -> None:
@@ -110,7 +110,7 @@ def test_roots_are_those_of_the_second_transcription(variables: Symbols) -> None
     plus, minus = (eight.printed(variables)[at], eight.branched(variables)[at])
     assert np.abs(np.exp(1j * (variables["θ₁"][at] - roots["eq 8"][1])) - 1).max() < 1e-12
     assert np.abs(np.exp(1j * (variables["θ₁"][at] - roots["eq 8"][0])) - np.exp(1j * plus)).max() < 1e-12
-    assert np.abs(minus).max() < EXACT
+    assert np.abs(minus).max() < EQUATION_TOL
     for root in roots["eq 14"]:
         assert np.nanmax(np.abs(np.exp(1j * (variables["θ₃"][at] - root)) - 1)) > 0.1
 

@@ -32,24 +32,31 @@ class BoxLine:
     ) -> None:
         """Prepare it; the poses of larger groups are to be `alone` in so many times what they may be off by."""
         self.rows, self.like = expressions, like
-        order = [one for one in needed(expressions, known) if one.order not in known]
-        closed = (one for one in order if one.operation == "closed")
-        self.closed = {one.order: (Chained if one.of[0].start else Closed)(one.of[0], like, room) for one in closed}
-        systems = (one for one in order if one.operation == "system")
-        self.systems = {one.order: Matrix(one.of[: isqrt(len(one.of)) ** 2]) for one in systems}
-        self.order = [one for one in order if one.sampled]
-        last = {of.order: one.order for one in self.order for of in one.operands}
+        order = [expression for expression in needed(expressions, known) if expression.order not in known]
+        closed = (expression for expression in order if expression.operation == "closed")
+        self.closed = {
+            expression.order: (Chained if expression.of[0].start else Closed)(expression.of[0], like, room)
+            for expression in closed
+        }
+        systems = (expression for expression in order if expression.operation == "system")
+        self.systems = {
+            expression.order: Matrix(expression.of[: isqrt(len(expression.of)) ** 2]) for expression in systems
+        }
+        self.order = [expression for expression in order if expression.sampled]
+        last = {operand.order: expression.order for expression in self.order for operand in expression.operands}
         self.ended: dict[int, list[int]] = {}  # by order, what no later one is of
-        for order_of in {one.order for one in self.order} - {one.order for one in expressions}:
+        for order_of in {expression.order for expression in self.order} - {
+            expression.order for expression in expressions
+        }:
             self.ended.setdefault(last[order_of], []).append(order_of)
-        self.still = self._values([one for one in order if not one.sampled], numbers, {})
+        self.still = self._values([expression for expression in order if not expression.sampled], numbers, {})
 
     def __call__(
         self, given: Mapping[str, TaylorModel], known: Mapping[int, TaylorModel] = MappingProxyType({})
     ) -> list[TaylorModel]:
         """The values of the expressions, given the inputs that differ from box to box, and what is known by order."""
         values = self._values(self.order, given, {**self.still, **known}, self.ended)
-        return [values[one.order] for one in self.rows]
+        return [values[expression.order] for expression in self.rows]
 
     @np.errstate(all="ignore")
     def _values(
@@ -60,39 +67,41 @@ class BoxLine:
         ended: Mapping[int, Iterable[int]] = MappingProxyType({}),
     ) -> dict[int, TaylorModel]:
         factored: dict[Any, Matrices] = {}  # rates and accelerations are of one matrix
-        for one in order:
-            values[one.order] = self._value(given, one, [values[of.order] for of in one.operands], factored)
-            for done in ended.get(one.order, ()):
+        for expression in order:
+            values[expression.order] = self._value(
+                given, expression, [values[operand.order] for operand in expression.operands], factored
+            )
+            for done in ended.get(expression.order, ()):
                 del values[done]
         return values
 
     def _value(
         self,
         given: Mapping[str, TaylorModel],
-        one: Expression,
-        of: Sequence[TaylorModel],
+        expression: Expression,
+        operands: Sequence[TaylorModel],
         factored: dict[Any, Matrices],
     ) -> TaylorModel:
-        match one.operation:
+        match expression.operation:
             case "constant":
-                rounded = 0.0 if (one.of[0] * EXACT).is_integer() else ROUNDED * abs(one.of[0])
-                return point(one.of[0], self.like, rounded)
+                rounded = 0.0 if (expression.of[0] * EXACT).is_integer() else ROUNDED * abs(expression.of[0])
+                return point(expression.of[0], self.like, rounded)
             case "input":
-                return given[one.of[0]]
+                return given[expression.of[0]]
             case "closed":
-                return self.closed[one.order](*of)
+                return self.closed[expression.order](*operands)
             case "system":
-                matrix, k = self.systems[one.order], self.systems[one.order].k
-                entries = one.of[: k * k]
+                matrix, k = self.systems[expression.order], self.systems[expression.order].k
+                entries = expression.of[: k * k]
                 if (key := tuple(entry.order for entry in entries)) not in factored:
-                    factored[key] = Matrices(matrix, stacked([of[place] for place in matrix.places.tolist()]))
-                return factored[key].solution(stacked(of[k * k :]))
+                    factored[key] = Matrices(matrix, stacked([operands[place] for place in matrix.places.tolist()]))
+                return factored[key].solution(stacked(operands[k * k :]))
             case "component":
-                return of[0][int(one.of[1].of[0])]
-            case "less" | "less_equal" if not one.sampled and _told_apart(*of):
+                return operands[0][int(expression.of[1].of[0])]
+            case "less" | "less_equal" if not expression.sampled and _told_apart(*operands):
                 # Of the file's numbers: as they are, to the last place, unless what they may be off by decides.
-                return point(getattr(np, one.operation)(*(x.c[0] for x in of)), self.like)
-        return RULES[one.operation](*of)
+                return point(getattr(np, expression.operation)(*(x.c[0] for x in operands)), self.like)
+        return RULES[expression.operation](*operands)
 
 
 def _told_apart(x: TaylorModel, y: TaylorModel) -> Any:
@@ -106,8 +115,8 @@ class Closed:
     def __init__(self, closing: Closing, like: int, room: float) -> None:
         self.room = room
         self.k, self.like, self.start = len(closing.coordinates), like, self._start(closing)
-        self.names = [one.of[0] for one in closing.coordinates]
-        self.outer, self.J = [one.order for one in closing.outer], Matrix(closing.J)
+        self.names = [coordinate.of[0] for coordinate in closing.coordinates]
+        self.outer, self.J = [expression.order for expression in closing.outer], Matrix(closing.J)
         self.of = np.append(np.arange(self.k), self.J.row)  # the unknown that each equation, and entry, goes with
         self.unit = np.append(np.zeros(self.k, np.bool_), self.J.row == self.J.column)
         entries = [closing.J[place] for place in self.J.places.tolist()]
@@ -121,18 +130,20 @@ class Closed:
         """The coordinates, given what `Recorder.closed` has: nothing where none, or several, may be in a box."""
         k, like = self.k, self.like
         known = dict(zip(self.outer, given[-len(self.outer) :], strict=True))
-        n = max(len(one.rest) for one in given)
-        at = ([one.c[0] + s * one.c[1] + s * s * one.c[2] for s in (0, -1, 1)] for one in given)  # middles and ends
-        several = (np.broadcast_to(one, (3, n)).reshape(1, 3 * n) for one in at)
+        n = max(len(model.rest) for model in given)
+        places = (
+            [model.c[0] + s * model.c[1] + s * s * model.c[2] for s in (0, -1, 1)] for model in given
+        )  # middles and ends
+        several = (np.broadcast_to(values, (3, n)).reshape(1, 3 * n) for values in places)
         start, *ends = np.moveaxis(self.start((1, 3 * n), *several).reshape(k, 3, n), 1, 0)
 
-        def equations(c: Samples, off: Samples) -> tuple[TaylorModel, Matrices]:
-            q = TaylorModel(c, off)
+        def equations(c: Samples, rest: Samples) -> tuple[TaylorModel, Matrices]:
+            q = TaylorModel(c, rest)
             rows = stacked(self.line({name: q[i] for i, name in enumerate(self.names)}, known))
             # Where one has no start it and what hangs on it are left out: their equations are x = 0.
-            c, off = (np.where(lost[self.of], 0.0, of) for of in (rows.c, rows.rest))
+            c, rest = (np.where(lost[self.of], 0.0, part) for part in (rows.c, rows.rest))
             c[0] += self.unit[:, np.newaxis] & lost[self.of]
-            return TaylorModel(c[:, :k], off[:k]), Matrices(self.J, TaylorModel(c[:, k:], off[k:]))
+            return TaylorModel(c[:, :k], rest[:k]), Matrices(self.J, TaylorModel(c[:, k:], rest[k:]))
 
         exactly, lost = np.zeros((k, n)), np.isnan(start)
         still = np.concatenate([np.nan_to_num(start)[np.newaxis], np.zeros((like - 1, k, n))])
@@ -153,5 +164,5 @@ class Chained(Closed):
     """The pins of dyads in a row over boxes, around where closed forms have them."""
 
     def _start(self, closing: Closing) -> Callable[..., Samples]:
-        line, names = StraightLine(closing.start), [one.of[0] for one in closing.begun]
+        line, names = StraightLine(closing.start), [entry.of[0] for entry in closing.begun]
         return lambda _, *given: line(dict(zip(names, (np.ravel(x) for x in given), strict=False)))[:, 0]

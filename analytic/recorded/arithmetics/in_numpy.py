@@ -37,14 +37,14 @@ class NewtonsMethod:
     """A larger group's coordinates at many positions, each corrected as `core.groups.newton_group` does."""
 
     def __init__(self, closing: Closing) -> None:
-        self.names = [one.of[0] for one in closing.coordinates]
-        self.outer = {one.order: f"outer {one.order}" for one in closing.outer}
+        self.names = [coordinate.of[0] for coordinate in closing.coordinates]
+        self.outer = {expression.order: f"outer {expression.order}" for expression in closing.outer}
         self._evaluate = function_of([*closing.C, *closing.J], self.outer)
 
     def __call__(self, shape: tuple[int, ...], *given: Any) -> Samples:
         """The coordinates, shape (k, m, n), NaN where none are near enough, given what `Recorder.closed` has."""
         k = len(self.names)
-        begin = np.stack([np.broadcast_to(one, shape) for one in given[:k]], axis=-1)
+        begin = np.stack([np.broadcast_to(values, shape) for values in given[:k]], axis=-1)
         (allowed, branch, size), outer = given[k : k + 3], given[k + 3 :]
         q, closes = refine(self.correction(outer), begin, size)
         closes &= length_of(q - begin, size) <= allowed
@@ -78,33 +78,37 @@ class _Code:
 
     def __init__(self, expressions: Sequence[Expression], known: Mapping[int, str]) -> None:
         order = needed(expressions, known)
-        self.last = {one.order: made.order for made in order if made.order not in known for one in made.operands}
-        self.rows = {one.order: row for row, one in reversed([*enumerate(expressions)])}
+        self.last = {
+            operand.order: made.order for made in order if made.order not in known for operand in made.operands
+        }
+        self.rows = {expression.order: row for row, expression in reversed([*enumerate(expressions)])}
         self.lines = ["def evaluate(given, row):", "    shape = row.shape[1:]"]
         self.methods: dict[str, NewtonsMethod] = {}
         self.free: list[str] = []  # arrays
-        names = walk(order, self.write, {at: f"given[{name!r}]" for at, name in known.items()})
-        wanted = ((row, names[one.order]) for row, one in enumerate(expressions))
+        names = walk(order, self.write, {place: f"given[{name!r}]" for place, name in known.items()})
+        wanted = ((row, names[expression.order]) for row, expression in enumerate(expressions))
         self.lines += [f"    row[{row}] = {name}" for row, name in wanted if name not in (f"row[{row}]", "0.0")]
 
-    def write(self, made: Expression, of: Sequence[str]) -> str:
+    def write(self, made: Expression, texts: Sequence[str]) -> str:
         """Write an operation, whose result may take the place of what it is the last to need."""
-        ended = (text for one, text in zip(made.operands, of, strict=True) if self.last[one.order] == made.order)
+        ended = (
+            text for operand, text in zip(made.operands, texts, strict=True) if self.last[operand.order] == made.order
+        )
         self.free += sorted({text for text in ended if text.startswith("a") and text[1:].isdecimal()})
-        arguments, operation, name = ", ".join(of), made.operation, f"v{made.order}"
+        arguments, operation, name = ", ".join(texts), made.operation, f"v{made.order}"
         match operation:
             case "constant":
                 return repr(made.of[0])
             case "input":
                 return f"given[{made.of[0]!r}]"
             case "component":
-                return f"{of[0]}[{int(made.of[1].of[0])}]"
+                return f"{texts[0]}[{int(made.of[1].of[0])}]"
             case "system":
                 return self._kept(name, f"solutions(shape, [{arguments}])")
             case "closed":
                 self.methods[f"newton{made.order}"] = NewtonsMethod(made.of[0])
                 return self._kept(name, f"newton{made.order}(shape, {arguments})")
-        spelled = SIGNS.get(operation, f"np.{operation}({arguments})").format(*of)
+        spelled = SIGNS.get(operation, f"np.{operation}({arguments})").format(*texts)
         if not made.sampled or operation in OF_FEWER:
             return self._kept(name, spelled)
         if made.order in self.rows:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ..expressions import Expression, needed, walk
 
-LONGEST = 400  # characters of an expression that stands where it is used, rather than having a name
+MAX_LENGTH = 400  # characters of an expression that stands where it is used, rather than having a name
 
 
 class Language(NamedTuple):
@@ -25,22 +25,30 @@ class Loop:
     def __init__(self, expressions: Sequence[Expression], language: Language, early: Container[str] = ()) -> None:
         """Write them; `early` are functions of inputs that are given as these are."""
         self.language = language
-        of_inputs = ((one, one.of[0] if one.operation in early else one) for one in needed(expressions) if one.sampled)
-        self.given = [one for one, of in of_inputs if of.operation == "input"]
-        known = {one.order: f"e{one.order}" for one in self.given}
+        of_inputs = (
+            (expression, expression.of[0] if expression.operation in early else expression)
+            for expression in needed(expressions)
+            if expression.sampled
+        )
+        self.given = [expression for expression, argument in of_inputs if argument.operation == "input"]
+        known = {expression.order: f"e{expression.order}" for expression in self.given}
         order = needed(expressions, known)
-        uses = Counter(of.order for one in order for of in one.operands)
-        pairs = ((of, one) for one in order for of in one.operands)
-        once = {of.order for of, one in pairs if uses[of.order] == 1 and of.sampled == one.sampled}
-        self.inside = once - {one.order for one in expressions}
+        uses = Counter(operand.order for expression in order for operand in expression.operands)
+        pairs = ((operand, expression) for expression in order for operand in expression.operands)
+        once = {
+            operand.order
+            for operand, expression in pairs
+            if uses[operand.order] == 1 and operand.sampled == expression.sampled
+        }
+        self.inside = once - {expression.order for expression in expressions}
         self.numbers: list[str] = []  # the inputs that are numbers, in order
         self.of_number: list[str] = []
         given = map(language.given.format, range(len(known)))
         self.of_position = [*map(language.statement.format, known.values(), given)]
         names = walk(order, self.write, known)
-        self.values = [names[one.order] for one in expressions]
+        self.values = [names[expression.order] for expression in expressions]
 
-    def write(self, made: Expression, of: Sequence[str]) -> str:
+    def write(self, made: Expression, texts: Sequence[str]) -> str:
         """Write an operation: by a name, or where the only other one of it is."""
         name = f"e{made.order}"
         match made.operation:
@@ -51,8 +59,8 @@ class Loop:
                 self.numbers.append(made.of[0])
             case operation:
                 spelling = self.language.operations.get(operation, self.language.function)
-                text = spelling.format(*of, name=operation)
-                if made.order in self.inside and len(text) < LONGEST:
+                text = spelling.format(*texts, name=operation)
+                if made.order in self.inside and len(text) < MAX_LENGTH:
                     return text
         (self.of_position if made.sampled else self.of_number).append(self.language.statement.format(name, text))
         return name

@@ -66,15 +66,15 @@ class MachineCode:
 
     def __init__(self, expressions: Sequence[Expression], known: Mapping[str, float]) -> None:
         """Write the code, and make it unless it was made before, of numbers that are `known` where no others come."""
-        used = {one.order for made in needed(expressions) for one in made.operands}
-        arcs = [one.operation == "arctan2" and one.order not in used for one in expressions]
+        used = {operand.order for made in needed(expressions) for operand in made.operands}
+        arcs = [expression.operation == "arctan2" and expression.order not in used for expression in expressions]
         self._rows, self._arcs = len(expressions), np.flatnonzero(arcs).tolist()
         together = [*range(self._arcs[0], self._arcs[-1] + 1)] if self._arcs else []
         self._together = slice(together[0], together[-1] + 1) if together == self._arcs != [] else self._arcs
-        rows = [one.of[0] if arc else one for one, arc in zip(expressions, arcs, strict=True)]
+        rows = [expression.of[0] if arc else expression for expression, arc in zip(expressions, arcs, strict=True)]
         loop = Loop([*rows, *(expressions[row].of[1] for row in self._arcs)], PYTHON, early=("sin", "cos"))
         self._drive, self._early, self._numbers = len(loop.given), function_of(loop.given), loop.numbers
-        self.driven = {one.of[0] for one in needed(loop.given) if one.operation == "input"}
+        self.driven = {expression.of[0] for expression in needed(loop.given) if expression.operation == "input"}
         self._known = np.array([[known[name] for name in loop.numbers]])
         kept = [f"buffer[{row}, i] = {value}" for row, value in enumerate(loop.values)]
         source = MODULE.format(
@@ -116,11 +116,11 @@ class MachineCode:
             if name in given:
                 numbers[:, column] = np.ravel(given[name])
         driven = {name: given[name] for name in self.driven}
-        own = any(len(values) > 1 for values in map(np.atleast_2d, driven.values()))
+        varied = any(len(values) > 1 for values in map(np.atleast_2d, driven.values()))
         filled = np.empty((self._rows, m, n))
         for rows, columns in blocks(m, n):  # so that sines, cosines and arcs stay in cache
             machines, count = numbers[rows], columns.stop - columns.start
-            drive = np.zeros((self._drive, len(machines) if own else 1, -(-count // LANES) * LANES))
+            drive = np.zeros((self._drive, len(machines) if varied else 1, -(-count // LANES) * LANES))
             self._early({name: part(values, rows, columns) for name, values in driven.items()}, drive[..., :count])
             arcs = np.empty((len(self._arcs), len(machines), count))
             self._kernel(machines, drive, filled, arcs, rows.start, columns.start)
@@ -132,7 +132,7 @@ class MachineCode:
 
 def operations(expressions: Sequence[Expression]) -> int | None:
     """How many operations expressions are; None where some are none of machine code."""
-    made = {one.operation for one in needed(expressions)}
+    made = {expression.operation for expression in needed(expressions)}
     return None if made & {"system", "closed"} else len(needed(expressions))
 
 

@@ -14,11 +14,11 @@ from scenes.model.motion import Samples
 
 from ...core.groups.newton_group import columns, solved
 from ..expressions import Expression
-from .taylor_models import ROUNDED, TINY, UP, TaylorModel
+from .taylor_models import ROUNDED, UNDERFLOW, UP, TaylorModel
 
-SLACK = 1e-7  # of a bound
-ROUGH = 2.0**-40  # of a pose: it is alone within that at least, so that roundings are not too far where it stands still
-ENTRIES = 200_000  # of matrices at a time, some hundred bytes each
+BOUND_TOL = 1e-7  # of a bound
+MIN_ROOM = 2.0**-40  # of a pose: it is alone within that, so that roundings are not too far where it stands still
+MAX_ENTRIES = 200_000  # of matrices at a time, some hundred bytes each
 
 
 class Matrix:
@@ -26,7 +26,7 @@ class Matrix:
 
     def __init__(self, entries: Sequence[Expression]) -> None:
         self.k = k = isqrt(len(entries))
-        zero = [one.operation == "constant" and one.of[0] == 0 for one in entries]
+        zero = [entry.operation == "constant" and entry.of[0] == 0 for entry in entries]
         self.places = np.flatnonzero(~np.reshape(zero, (k, k)) | np.eye(k, dtype=np.bool_))
         self.row, self.column = np.divmod(self.places, k)
         self.first = np.searchsorted(self.row, np.arange(k))  # of each row
@@ -78,7 +78,7 @@ class Matrices:
 
 def stacked(models: Sequence[TaylorModel]) -> TaylorModel:
     """Models as one, of shape (k, n)."""
-    c, rest = (np.broadcast_arrays(*each) for each in zip(*((one.c, one.rest) for one in models), strict=True))
+    c, rest = (np.broadcast_arrays(*each) for each in zip(*((model.c, model.rest) for model in models), strict=True))
     return TaylorModel(np.stack(c, axis=1), np.stack(rest))
 
 
@@ -89,8 +89,8 @@ def _times(matrix: Samples, x: TaylorModel) -> TaylorModel:
     def product(matrix: Samples, columns: Samples) -> Samples:
         return np.asarray(np.moveaxis(matrix @ np.moveaxis(columns, -1, 0)[..., np.newaxis], 0, -1)[..., 0, :])
 
-    c = np.stack([product(matrix, of) for of in x.c])
-    return TaylorModel(c, product(np.abs(matrix), x.rest + k * ROUNDED * x.most) * UP + TINY)
+    c = np.stack([product(matrix, part) for part in x.c])
+    return TaylorModel(c, product(np.abs(matrix), x.rest + k * ROUNDED * x.most) * UP + UNDERFLOW)
 
 
 def _sums(x: TaylorModel, matrix: Matrix) -> TaylorModel:
@@ -101,7 +101,7 @@ def _sums(x: TaylorModel, matrix: Matrix) -> TaylorModel:
 
 def alone(x: TaylorModel, room: float) -> Samples:
     """How far from poses, shape (k, n), there is no other, if in so many times their ball there is none."""
-    return np.asarray(room * (x.rest + ROUGH * x.most))
+    return np.asarray(room * (x.rest + MIN_ROOM * x.most))
 
 
 def inverses(A: Samples) -> Samples:
@@ -113,12 +113,12 @@ def gains(inverse: Samples, J: Matrices) -> Samples:
     """A bound on |1 - R J|, shape (n, k, k), R about the inverse of J; of so many boxes at a time that they fit."""
     k, n = inverse.shape[-1], len(inverse)
     rounded, bound = UP + k * ROUNDED, np.empty(inverse.shape)
-    step = max(ENTRIES // (k * k), 1)
+    step = max(MAX_ENTRIES // (k * k), 1)
     for some in (slice(first, first + step) for first in range(0, n, step)):
         entries, R = J.entries[:, some], inverse[some]
         E = R[:, np.newaxis] @ J.places.full(-entries.c)
         E[:, 0] += np.eye(k)
-        rest = np.abs(R) @ J.places.full(entries.rest + J.places.of_columns * entries.most) * UP + TINY
+        rest = np.abs(R) @ J.places.full(entries.rest + J.places.of_columns * entries.most) * UP + UNDERFLOW
         bound[some] = (np.abs(E).sum(axis=1) + rest + 2 * ROUNDED) * rounded
     return bound
 
@@ -130,10 +130,12 @@ def contracted(inverse: Samples, open_by: TaylorModel, gains: Samples) -> tuple[
     """
     left, k = _times(inverse, open_by), inverse.shape[-1]
     rounded = UP + k * ROUNDED
-    off = (left.most + left.rest) * rounded
-    more = off * (1 + SLACK) + SLACK * off.max(axis=0) + TINY  # so that the bound is one whatever was rounded
+    bound = (left.most + left.rest) * rounded
+    more = (
+        bound * (1 + BOUND_TOL) + BOUND_TOL * bound.max(axis=0) + UNDERFLOW
+    )  # so that the bound is one whatever was rounded
     d = solved(np.eye(k) - gains, more.T).T
-    holds = ((d > 0) & (d > (off + np.einsum("nij,jn->in", gains, d)) * rounded)).all(axis=0)
+    holds = ((d > 0) & (d > (bound + np.einsum("nij,jn->in", gains, d)) * rounded)).all(axis=0)
     return np.where(holds, d, np.nan), holds
 
 

@@ -22,7 +22,7 @@ from scenes.model.motion import Samples
 ROUNDED = 2.0**-50  # of a result: one to three roundings, in whatever order, are 2^-53 each
 FUNCTION = 2.0**-49  # of a function's value: NumPy's are off by less than one unit in the last place, 2^-52
 UP = 1 + 2.0**-48  # a rest is a sum of a dozen terms: its own roundings
-TINY = 1e-290  # what underflows, and what a rest loses by that
+UNDERFLOW = 1e-290  # what underflows, and what a rest loses by that
 EXACT = 4096  # a constant is meant as it is where it is a whole number of parts of one by this
 
 
@@ -36,9 +36,9 @@ class TaylorModel:
     def bounds(self) -> tuple[Samples, Samples, Samples, Samples]:
         """The sizes of the coefficients; the most of all terms but the first two, of all but the first, and of all."""
         sizes = np.abs(self.c)
-        beside = sizes[2:].sum(axis=0) if len(sizes) > 3 else sizes[2]
-        moving = sizes[1] + beside
-        return sizes, beside, moving, sizes[0] + moving
+        bent = sizes[2:].sum(axis=0) if len(sizes) > 3 else sizes[2]
+        moving = sizes[1] + bent
+        return sizes, bent, moving, sizes[0] + moving
 
     @property
     def sizes(self) -> Samples:
@@ -63,8 +63,8 @@ class TaylorModel:
     @property
     def range(self) -> tuple[Samples, Samples]:
         """Bounds of the values, shape (n,), which no rounding leaves within them."""
-        off = self.radius + ROUNDED * self.sizes[0]
-        return self.c[0] - off, self.c[0] + off
+        error = self.radius + ROUNDED * self.sizes[0]
+        return self.c[0] - error, self.c[0] + error
 
     def __getitem__(self, place: Any) -> "TaylorModel":
         """Those of some boxes, or some of several that are stacked, shape (k, n)."""
@@ -84,10 +84,10 @@ class TaylorModel:
         c = a[0] * b
         c[1:] += b[0] * a[1:]
         c[2] += a[1] * b[1]
-        (sizes, beside, _, most), (_, other_beside, other_moving, other_most) = self.bounds, other.bounds
-        dropped = sizes[1] * other_beside + beside * other_moving
+        (sizes, bent, _, most), (_, other_bent, other_moving, other_most) = self.bounds, other.bounds
+        dropped = sizes[1] * other_bent + bent * other_moving
         rest = dropped + most * (other.rest + ROUNDED * other_most) + self.rest * (other_most + other.rest)
-        return TaylorModel(c, rest * UP + TINY)
+        return TaylorModel(c, rest * UP + UNDERFLOW)
 
     def __rmul__(self, factor: float) -> "TaylorModel":
         return point(factor, len(self.c)) * self
@@ -113,17 +113,17 @@ def _rounded(c: Samples, rest: Samples) -> TaylorModel:
     return made
 
 
-def point(value: Any, like: int, off: Any = 0.0) -> TaylorModel:
+def point(value: Any, like: int, error: Any = 0.0) -> TaylorModel:
     """A constant over each box, with a bound on its error; as many coefficients as the other models have."""
     value = np.atleast_1d(np.asarray(value, np.float64))
     c = np.zeros((like, len(value)))
     c[0] = value
-    return TaylorModel(c, np.zeros(value.shape) + off)
+    return TaylorModel(c, np.zeros(value.shape) + error)
 
 
 def joined(models: Sequence[TaylorModel]) -> TaylorModel:
     """Those of all boxes of several."""
-    return TaylorModel(*(np.concatenate([getattr(one, x) for one in models], axis=-1) for x in ("c", "rest")))
+    return TaylorModel(*(np.concatenate([getattr(model, x) for model in models], axis=-1) for x in ("c", "rest")))
 
 
 def parabola_most(c: Samples) -> Samples:
@@ -137,8 +137,8 @@ def parabola_most(c: Samples) -> Samples:
 def hull(low: Samples, high: Samples, like: int) -> TaylorModel:
     """What lies between bounds, shape (n,)."""
     middle = (low + high) / 2
-    off = np.maximum(high - middle, middle - low) * UP + TINY
-    return point(np.where(np.isfinite(middle), middle, 0.0), like, off)
+    radius = np.maximum(high - middle, middle - low) * UP + UNDERFLOW
+    return point(np.where(np.isfinite(middle), middle, 0.0), like, radius)
 
 
 def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorModel:
@@ -149,8 +149,8 @@ def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorMod
     c[2] += f2 * (x.c[1] * x.c[1])
     (sizes, k, moving, _), rest, D = x.bounds, x.rest, x.radius
     square = k * (2 * sizes[1] + k) + rest * (2 * moving + rest)  # of x less its first term, beside c_1^2 s^2
-    off = np.abs(f1) * (rest + FUNCTION * D) + np.abs(f2) * (square + FUNCTION * D * D) + third * D**3
-    return TaylorModel(c, (off + FUNCTION * np.abs(f0)) * UP + TINY)
+    error = np.abs(f1) * (rest + FUNCTION * D) + np.abs(f2) * (square + FUNCTION * D * D) + third * D**3
+    return TaylorModel(c, (error + FUNCTION * np.abs(f0)) * UP + UNDERFLOW)
 
 
 def _either(where: Any, yes: TaylorModel, no: TaylorModel) -> TaylorModel:
@@ -213,7 +213,7 @@ def _largest(x: TaylorModel, y: TaylorModel) -> TaylorModel:
 
 
 def _floor(x: TaylorModel) -> TaylorModel:
-    low, high = (np.floor(one) for one in x.range)
+    low, high = (np.floor(bound) for bound in x.range)
     return hull(low, high, len(x.c))
 
 
@@ -273,5 +273,5 @@ RULES: Mapping[str, Callable[..., TaylorModel]] = {
     "less_equal": _less_equal,
     "where": _where,
     "middle": _middle,
-    "within": lambda x, off: TaylorModel(x.c, (x.rest + off.most + off.rest) * UP),
+    "within": lambda x, distance: TaylorModel(x.c, (x.rest + distance.most + distance.rest) * UP),
 }

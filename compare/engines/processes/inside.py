@@ -142,21 +142,21 @@ def _prepare(parent: int, connection: int) -> None:
         Thread(target=_end_with_parent, daemon=True).start()
 
 
-def _leave_sockets(nowhere: int, own: int) -> None:
+def _leave_sockets(nowhere: int, connection: int) -> None:
     """Have only its own of all connections: others lead to other engines, and to whoever believes its parent.
 
     Their numbers stay taken, as somebody may close them yet.
     """
     for number in [int(link.name) for link in Path("/proc/self/fd").iterdir()]:
         with suppress(OSError):  # of the list itself
-            if number != own and S_ISSOCK(os.fstat(number).st_mode):
+            if number != connection and S_ISSOCK(os.fstat(number).st_mode):
                 os.dup2(nowhere, number)
 
 
-def _limit(what: str, value: int) -> None:
+def _limit(limit: str, value: int) -> None:
     import resource  # not on Windows
 
-    number = getattr(resource, what)
+    number = getattr(resource, limit)
     _, hard = resource.getrlimit(number)
     resource.setrlimit(number, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))
 
@@ -171,7 +171,7 @@ def _end_with_parent() -> None:
 # --- the guard --------------------------------------------------------------------------------------------------------
 
 
-def _begin_guarded(parent: int, own: int) -> None:
+def _begin_guarded(parent: int, connection: int) -> None:
     """Return in a new process. Its guard, this one, ends when and as that ends, or by SIGTERM, or with its parent."""
     system, awaited = CDLL(None), {signal.SIGTERM, signal.SIGCHLD}
     signal.pthread_sigmask(signal.SIG_BLOCK, awaited)
@@ -183,7 +183,7 @@ def _begin_guarded(parent: int, own: int) -> None:
         _end_with(system, guard, signal.SIGKILL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, awaited)
         return
-    os.close(own)  # which the new process alone has open
+    os.close(connection)  # which the new process alone has open
     ended = status = 0
     while ended != guarded and signal.sigwait(awaited) == signal.SIGCHLD:
         ended, status = os.waitpid(guarded, os.WNOHANG)
@@ -206,9 +206,9 @@ def _begin_guarded(parent: int, own: int) -> None:
     os._exit(os.WEXITSTATUS(status))
 
 
-def _end_with(system: CDLL, parent: int, by: signal.Signals) -> None:
+def _end_with(system: CDLL, parent: int, sent: signal.Signals) -> None:
     """Have this process get a signal when its parent dies; it may have died before."""
-    system.prctl(PR_SET_PDEATHSIG, by)
+    system.prctl(PR_SET_PDEATHSIG, sent)
     if os.getppid() != parent:
         os._exit(1)
 

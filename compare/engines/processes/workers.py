@@ -18,7 +18,7 @@ from ..threads import one_thread
 from .inside import PLAIN, Ended, Limits
 from .isolation import Poll, Worker
 
-TRIES = 3  # processes that may crash on a scene before its engine is not begun anew
+MAX_TRIES = 3  # processes that may crash on a scene before its engine is not begun anew
 IDLE = 20.0  # s without a task, after which processes that are kept for the next one end
 
 T = TypeVar("T")
@@ -59,7 +59,7 @@ class Workers(Runs):
         deaths = self._deaths.setdefault(name, [])
         if refused := registry.refused(name):
             return refused
-        if len(deaths) >= TRIES or any(death.at_limit for death in deaths):
+        if len(deaths) >= MAX_TRIES or any(death.at_limit for death in deaths):
             return replace(deaths[-1], reason=f"not run again, since {deaths[-1].reason}")
         outcome = self._outcome(name, function, limits)
         if isinstance(outcome, Ended):

@@ -20,7 +20,7 @@ from ..agreement import Judgement
 from . import noticed
 from . import spoilt_motion as spoilt
 
-APART = 0.1  # of the scale: components that are nearer, as where no force acts, are not worth swapping
+MIN_DISTANCE = 0.1  # of the scale: components that are nearer, as where no force acts, are not worth swapping
 
 
 def canaries(judgement: Judgement) -> list[str]:
@@ -43,14 +43,14 @@ def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
     scene, count, scale = first.scene, first.sampling.count, first.reference.scale
     drive = scene.drive_channel
     channels = first.excess(1.0).keys() - {drive}
-    sizes = {c: float(np.abs(of).max()) / scale[c] for c, of in first.motion.samples.items() if c in channels}
+    sizes = {c: float(np.abs(samples).max()) / scale[c] for c, samples in first.motion.samples.items() if c in channels}
     largest = max(sizes, key=sizes.__getitem__)
 
     opposite = partial(spoilt.scaled, names=[largest], factor=-1)
     yield f"{largest} of the opposite sign", partial(noticed.refused_if_moved, opposite)
     vectors = [scene.channels[name].components for name in sizes if scene.channels[name].axis == "x"]
     both = [(x, y) for x, y in vectors if y in sizes]
-    apart = [(x, y) for x, y in both if np.abs(first.motion[x] - first.motion[y]).max() > APART * scale[x]]
+    apart = [(x, y) for x, y in both if np.abs(first.motion[x] - first.motion[y]).max() > MIN_DISTANCE * scale[x]]
     for x, y in apart[-1:]:
         yield f"{x} and {y} swapped", partial(noticed.refused, partial(spoilt.swapped, first=[x], second=[y]))
     every, late = {*channels, drive}, partial(spoilt.taken, rows=[0, *range(count - 1)])
@@ -67,9 +67,9 @@ def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
     for value in (np.nan, np.inf):
         no_number = partial(spoilt.at_row, name=largest, row=count // 3, value=value)
         yield f"{value} in {largest}", partial(noticed.incomplete, no_number)
-    without = partial(spoilt.without, names={largest})
-    yield f"{largest} missing", partial(noticed.incomplete, without)
-    yield f"{largest} declared unsupported", partial(noticed.incomplete, partial(without, reason="a canary"))
+    channel_removed = partial(spoilt.without, names={largest})
+    yield f"{largest} missing", partial(noticed.incomplete, channel_removed)
+    yield f"{largest} declared unsupported", partial(noticed.incomplete, partial(channel_removed, reason="a canary"))
     yield "a row too few", partial(noticed.incomplete, partial(spoilt.taken, rows=range(count - 1)))
     yield "no motion", noticed.stops_without_a_motion
 
@@ -80,8 +80,8 @@ def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
 
 def _lagging(copy: noticed.Thinned) -> bool:
     """Whether it is noticed that the drive lags by a little more than it may, and nothing else."""
-    lag = float(copy.amounts(noticed.CLEAR)[copy.drive].max())
-    return noticed.refused(partial(spoilt.shifted, by={copy.drive: -lag}), copy)
+    lag = float(copy.amounts(noticed.CLEAR_ERROR)[copy.drive].max())
+    return noticed.refused(partial(spoilt.shifted, amounts={copy.drive: -lag}), copy)
 
 
 def _another_mass(copy: noticed.Thinned) -> bool:
@@ -90,10 +90,10 @@ def _another_mass(copy: noticed.Thinned) -> bool:
     body = max(scene.bodies.values(), key=lambda body: (body.name not in scene.driven, body.mass or 0.0))
     heavier = put(scene, {("bodies", body.name): replace(body.weighed, mass=(body.mass or 0.0) + 1.0)})
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]
-    right, wrong = (registry.reference(of, frozenset(forces))(position, time) for of in (scene, heavier))
+    right, wrong = (registry.reference(variant, frozenset(forces))(position, time) for variant in (scene, heavier))
     amounts = copy.amounts()
     most = max(float((np.abs(wrong[c] - right[c]) / amounts[c]).max()) for c in forces)
     if not most > 0:  # it moves evenly: no force depends on its mass
         return True
     moved = {c: (wrong[c] - right[c]) / most for c in forces}
-    return noticed.refused(partial(spoilt.shifted, by=moved), copy)
+    return noticed.refused(partial(spoilt.shifted, amounts=moved), copy)

@@ -25,15 +25,15 @@ from ..verdict import BALANCES, judged
 from . import spoilt_motion as spoilt
 from .sizes import length, sizes
 
-ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
-CLEAR = 3.0  # times what the settings promise: clearly above any error that an ok run may have
-EXCESS = 300.0  # times what the settings promise: an ok run has no excuse for so much, not even in its balances
-ROUNDINGS = 100.0  # times how far the motion moves: the drive is off by as little too
-MOST = 1.0  # of a scale or magnitude: angles come round
+MIN_ROWS = 24  # that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
+CLEAR_ERROR = 3.0  # times what the settings promise: clearly above any error that an ok run may have
+EXCESSIVE_ERROR = 300.0  # times what the settings promise: an ok run has no excuse for so much, nor in its balances
+MAX_ROUNDINGS = 100.0  # times how far the motion moves: the drive is off by as little too
+MAX_DEVIATION = 1.0  # of a scale or magnitude: angles come round
 BLIND = {"branch", *BALANCES}  # that all channels are off is no other branch, and may cancel in a balance
-FAR = 1e6  # times the largest force: of what a balance is relative to nothing else is left
-MUCH = 0.5  # of that: what a balance finds then
-ARMS = 100.0  # sizes of the linkage: further off no centre of mass is
+PUSH = 1e6  # times the largest force: of what a balance is relative to nothing else is left
+MIN_MISFIT = 0.5  # of a push: what a balance finds then
+MAX_ARM = 100.0  # sizes of the linkage: further off no centre of mass is
 
 
 class Thinned:
@@ -43,11 +43,11 @@ class Thinned:
         assert run.motion is not None
         assert run.settings is not None
         count = sampling.samples
-        every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= ROWS * k))
+        every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= MIN_ROWS * k))
         rows = slice(0, count + 1, every)
         samples, moved, terms = (
-            {channel: values[rows] for channel, values in by.items()}
-            for by in (run.motion.samples, explained.sensitivity, explained.terms)
+            {channel: values[rows] for channel, values in table.items()}
+            for table in (run.motion.samples, explained.sensitivity, explained.terms)
         )
         self.explained = Explained(explained.condition[rows], moved, terms=terms)
         self.motion = Motion(samples, run.motion.unsupported)
@@ -65,13 +65,13 @@ class Thinned:
         """Relative errors that are so many times what the run may have, by channel, each of shape (n,)."""
         promise, scaled = self.settings.promise, self.reference.scale.keys() - {"time"}
         return {
-            channel: min(times * (self.settings.drive_promise if channel == self.drive else promise), MOST)
+            channel: min(times * (self.settings.drive_promise if channel == self.drive else promise), MAX_DEVIATION)
             + np.nan_to_num(self.rounding[channel], posinf=0.0)
             for channel in self.motion.samples
             if channel in scaled
         }
 
-    def amounts(self, times: float = EXCESS) -> Mapping[str, Samples]:
+    def amounts(self, times: float = EXCESSIVE_ERROR) -> Mapping[str, Samples]:
         """Such errors in the units of the channels."""
         return {channel: error * self.sizes[channel] for channel, error in self.excess(times).items()}
 
@@ -85,7 +85,7 @@ class Thinned:
         moved = [Motion({channel: other[channel] - self.true[channel] for channel in other}) for other in others]
         rows = {self.scene.channels[c]: size for c, size in self.sizes.items()}
         relative = {row.name: [length(row, motion) / size for motion in moved] for row, size in rows.items()}
-        return {c: ROUNDINGS * np.max([self.explained.left(c), *of], axis=0) for c, of in relative.items()}
+        return {c: MAX_ROUNDINGS * np.max([self.explained.left(c), *sizes], axis=0) for c, sizes in relative.items()}
 
     def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
         """The judgement of another motion in place of the run's."""
@@ -104,9 +104,9 @@ def refused(spoil: Spoil, copy: Thinned) -> bool:
 
 def refused_if_moved(spoil: Spoil, copy: Thinned) -> bool:
     """The same of a motion with all its channels, which is not wrong where they stay within what it promises."""
-    moved, allowed = spoil(copy.motion), copy.amounts(CLEAR)
-    off = {c: abs(apart(copy.scene.channels[c], moved[c], copy.motion[c])) for c in allowed}
-    return all((off[c] <= allowed[c]).all() for c in allowed) or refused(spoil, copy)
+    moved, allowed = spoil(copy.motion), copy.amounts(CLEAR_ERROR)
+    deviation = {c: abs(apart(copy.scene.channels[c], moved[c], copy.motion[c])) for c in allowed}
+    return all((deviation[c] <= allowed[c]).all() for c in allowed) or refused(spoil, copy)
 
 
 def incomplete(spoil: Spoil, copy: Thinned) -> bool:
@@ -129,19 +129,19 @@ def stops_without_a_motion(copy: Thinned) -> bool:
 def each_check_alone(sign: int, copy: Thinned) -> bool:
     """Whether checks notice by themselves that all channels are off, that they found no number, or too much."""
     scene, settings = copy.scene, copy.settings
-    off = {channel: sign * amount for channel, amount in copy.amounts().items()}
-    measured = copy.assessed(spoilt.shifted(copy.motion, off))
+    offsets = {channel: sign * amount for channel, amount in copy.amounts().items()}
+    measured = copy.assessed(spoilt.shifted(copy.motion, offsets))
     names = {"drive", "closure", "branch", *shown_groups(scene), *(BALANCES if scene.has_masses else ())}
     alone = {name: [check for check in measured.checks if check.check == name] for name in names}
-    too_much = EXCESS * max(settings.promise, settings.drive_promise)
-    one_by_one = [[replace(own, worst=worst)] for own in measured.checks for worst in (float("nan"), too_much)]
+    too_much = EXCESSIVE_ERROR * max(settings.promise, settings.drive_promise)
+    one_by_one = [[replace(check, worst=worst)] for check in measured.checks for worst in (float("nan"), too_much)]
     return (
         all(alone.values())  # a check that is not made notices nothing
         and stops(copy, measured)
-        and (not scene.has_masses or _balances_notice(copy, sign * FAR))  # single forces, since much cancels in them
-        and all(judged(copy.run, own).status is not Status.ok for own in one_by_one)
+        and (not scene.has_masses or _balances_notice(copy, sign * PUSH))  # single forces, since much cancels in them
+        and all(judged(copy.run, checks).status is not Status.ok for checks in one_by_one)
         and all(_refuse(copy, alone[name]) for name in names - BLIND - {"closure"})
-        and (_refuse(copy, alone["closure"]) or _across_is_open(copy, off))
+        and (_refuse(copy, alone["closure"]) or _across_is_open(copy, offsets))
     )
 
 
@@ -150,9 +150,9 @@ def _refuse(copy: Thinned, found: Sequence[Check]) -> bool:
     return judged(copy.run, found).status is not Status.ok
 
 
-def _across_is_open(copy: Thinned, off: Mapping[str, Samples]) -> bool:
-    """Whether closure alone notices places that are off at right angles to `off`: no guide is along both."""
-    across = {channel: -amount if channel.endswith(".y") else amount for channel, amount in off.items()}
+def _across_is_open(copy: Thinned, offsets: Mapping[str, Samples]) -> bool:
+    """Whether closure alone notices places that are off at right angles to `offsets`: no guide is along both."""
+    across = {channel: -amount if channel.endswith(".y") else amount for channel, amount in offsets.items()}
     found = copy.assessed(spoilt.shifted(copy.motion, across)).checks
     return _refuse(copy, [check for check in found if check.check == "closure"])
 
@@ -165,7 +165,7 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
 def _balance_notices(copy: Thinned, times: float, drive: Drive) -> bool:
     scene, driven, effort, channels = copy.scene, drive.body, drive.effort_channel, copy.scene.channels
     force = times * max(float(copy.sizes[name].max()) for name in channels.names(Role.force))
-    couple = ARMS * force * copy.reference.mechanics.size
+    couple = MAX_ARM * force * copy.reference.mechanics.size
     if drive.slide is None:
         joint = next(channels.pins[pin.channel][0] for pin in scene.pins if driven in (pin.first, pin.second))
         both: dict[str, Samples | float] = {joint: force, effort: couple}
@@ -178,37 +178,41 @@ def _balance_notices(copy: Thinned, times: float, drive: Drive) -> bool:
         # Its own speed may be nothing beside that of other points: for power it is made fast, too.
         power = both | {rate: times * part * float(copy.sizes[rate].max()) for rate, part in way}
     return all(
-        max(one.worst for one in copy.assessed(spoilt.shifted(copy.motion, push)).checks if one.check == name) > MUCH
+        max(check.worst for check in copy.assessed(spoilt.shifted(copy.motion, push)).checks if check.check == name)
+        > MIN_MISFIT
         for name, push in {"Newton": both, "Euler": both, "power": power}.items()
     )
 
 
 def each_channel_is_seen(copy: Thinned) -> bool:
     """Whether the error of each channel is seen where the reference is another, each channel's at its own rows."""
-    excess, amounts = copy.excess(CLEAR), copy.amounts(CLEAR)
+    excess, amounts = copy.excess(CLEAR_ERROR), copy.amounts(CLEAR_ERROR)
     count = copy.sampling.count
     # On a press force's switch the reference is that of the side that fits, with no error of the other's.
     unjudged = np.flatnonzero(resting(MotionVectors(copy.scene, copy.true)))  # with friction
     clear = np.setdiff1d(np.arange(count), [*on_switch(copy.reference.acts(copy.true)), *unjudged])
     rows = {channel: np.roll(clear, -n)[[0, len(clear) // 2]] for n, channel in enumerate(excess)}
-    measured = _against(copy, {channel: amounts[channel] * np.isin(range(count), own) for channel, own in rows.items()})
+    measured = _against(
+        copy, {channel: amounts[channel] * np.isin(range(count), chosen) for channel, chosen in rows.items()}
+    )
     if measured.comparison is None or measured.run.found_by != "reference" or not stops(copy, measured):
         return False
     largest, actual = {row.channel: row.max for row in measured.errors}, measured.comparison.actual
     seen = (
         channel in largest
-        and not largest[channel] < actual[channel][own].max()  # no number where no floor is known
-        and actual[channel][own].max() > excess[channel][own].min() / 2
-        for channel, own in rows.items()
+        and not largest[channel] < actual[channel][chosen].max()  # no number where no floor is known
+        and actual[channel][chosen].max() > excess[channel][chosen].min() / 2
+        for channel, chosen in rows.items()
     )
     return all(seen) and _last_is_seen(copy)
 
 
 def _last_is_seen(copy: Thinned) -> bool:
     """Whether errors in the last channel of each group alone break the promise, and miss every tolerance."""
-    amounts, last = copy.amounts(CLEAR), {copy.scene.channels[name].group: name for name in copy.excess(CLEAR)}
+    amounts = copy.amounts(CLEAR_ERROR)
+    last = {copy.scene.channels[name].group: name for name in copy.excess(CLEAR_ERROR)}
     measured = _against(copy, {channel: amounts[channel] for channel in last.values()})
-    least = min(map(np.min, copy.excess(CLEAR).values())) / 2
+    least = min(map(np.min, copy.excess(CLEAR_ERROR).values())) / 2
     return measured.run.found_by == "reference" and _all_missed(copy, replace(measured, run=copy.run), least)
 
 

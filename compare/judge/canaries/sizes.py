@@ -9,8 +9,8 @@ from scenes.channels import Channel, Role
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-LEAST = 1e-2  # of the largest travel
-NOTHING = 1e-9  # of the largest force: what is relative to others
+MIN_TRAVEL = 1e-2  # of the largest travel
+ZERO_FORCE_TOL = 1e-9  # of the largest force: what is relative to others
 
 
 def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, float]) -> dict[str, Samples]:
@@ -26,7 +26,7 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
     by_channel = {}
     for name in scene.channels.names(Role.time, Role.kinematic):
         row = scene.channels[name]
-        unit = max(reach[row.subject], LEAST * max(reach.values())) if row.kind == "point" else 1.0
+        unit = max(reach[row.subject], MIN_TRAVEL * max(reach.values())) if row.kind == "point" else 1.0
         scale = unit * scene.pace ** (row.order or 0)
         by_channel[name] = np.maximum(scale, length(row, true)) if row.order else scale * whole
     forces = (scene.channels[name] for name in scene.channels.names(Role.force, Role.friction) if name in cycle)
@@ -37,7 +37,7 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
         lever = max(reach.get(point, 0.0) for body in both for point in body.points)
         peaks[moment] = max(peaks[moment], lever * peaks[force])
     for channel, peak in peaks.items():
-        least_peak = NOTHING * max(otherwise[channel], *peaks.values())  # of no force: what loads leave that balance
+        least_peak = ZERO_FORCE_TOL * max(otherwise[channel], *peaks.values())  # of no force: what balances leaves
         by_channel[channel] = whole * (peak if peak > least_peak else otherwise[channel])
     ways = {drive: true[drive.channel] - true[drive.channel][0] for drive in scene.drives}
     return by_channel | {drive.channel: np.maximum(drive.unit, np.abs(way)) for drive, way in ways.items()}

@@ -16,9 +16,9 @@ def scaled(motion: Motion, names: Iterable[str], factor: float) -> Motion:
     return replaced(motion, {name: factor * motion[name] for name in names})
 
 
-def shifted(motion: Motion, by: Mapping[str, Samples | float]) -> Motion:
+def shifted(motion: Motion, amounts: Mapping[str, Samples | float]) -> Motion:
     """Return the motion with something added to some channels, the same to every sample or an amount to each."""
-    return replaced(motion, {name: motion[name] + amount for name, amount in by.items()})
+    return replaced(motion, {name: motion[name] + amount for name, amount in amounts.items()})
 
 
 def swapped(motion: Motion, first: Iterable[str], second: Iterable[str]) -> Motion:

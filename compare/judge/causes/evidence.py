@@ -24,16 +24,16 @@ from ...mechanics.reference import Reference
 from ...mechanics.scales import apart, sizes
 from .cause import Cause, Part, parts
 
-ROWS = 400  # at most, but for those about the worst: all of a usual run
-ABOUT = 10  # rows on either side of the worst
-SHORTEST = 4  # rows, in which a motion can be off alone
-NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what right samples have
-EXACT = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
+MAX_ROWS = 400  # but for those about the worst: all of a usual run
+ROWS_BESIDE_WORST = 10  # on either side
+MIN_ROWS = 4  # in which a motion can be off alone
+RIGHT_SAMPLE_TOL = 1e-3  # of the square of the largest sample's deviation: what right samples have
+CAUSE_TOL = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
 
-NEARLY_ALL = 0.15  # of the deviation: the most that the cause named leaves over
-PRICE = 0.25  # of what is left over, for each number that was fitted
-SETTLED = 0.99  # of what was left over before: a further round is worth no more
-EXPLAINED = 0.3  # the most that a cause worth a look leaves over
+MAX_REST = 0.15  # of the deviation, that the cause named leaves over
+PRICE_OF_NUMBER = 0.25  # of what is left over, for each number that was fitted
+MAX_RATIO_OF_ROUNDS = 0.99  # of what two rounds leave over: beyond it a further round is worth no more
+MAX_REST_TRIED = 0.3  # of the deviation, that a cause worth a look leaves over
 
 Channels = Mapping[str, Samples]
 
@@ -59,12 +59,12 @@ class Evidence:
         self.channels = self.scene.channels
         self.scale = {c: sizes(true, self.channels[c], reference.scale[c]) for c in self.names}
         self.deviation = {c: self.difference(c, true[c]) for c in self.names}  # more than it should be
-        squares = {c: own**2 for c, own in self.deviation.items()}
-        self.off = {c: float(np.sum(own)) for c, own in squares.items()}  # summed over the rows
+        squares = {c: deviation**2 for c, deviation in self.deviation.items()}
+        self.off = {c: float(np.sum(square)) for c, square in squares.items()}  # summed over the rows
         self.by_row = np.asarray(np.sum([*squares.values()], axis=0))  # summed over the channels
         self.total = sum(self.off.values())  # the square of the whole deviation
         forces = [c for c in self.names if self.channels[c].is_force]  # whether nearly all of it is in them
-        self.of_forces = bool(forces) and self.total > 0 and self.outside(forces) <= NEARLY_ALL
+        self.of_forces = bool(forces) and self.total > 0 and self.outside(forces) <= MAX_REST
         self._late: dict[float, Channels] = {}
 
     def difference(self, channel: str, other: Samples) -> Samples:
@@ -73,8 +73,8 @@ class Evidence:
 
     def outside(self, channels: Iterable[str]) -> float:
         """Return the rest that a cause leaves over which explains all of these channels and no other."""
-        own = sum(self.off.get(channel, 0.0) for channel in channels)  # none of those that were not asked for
-        return float(np.sqrt(max(self.total - own, 0.0) / self.total))
+        explained = sum(self.off.get(channel, 0.0) for channel in channels)  # none of those that were not asked for
+        return float(np.sqrt(max(self.total - explained, 0.0) / self.total))
 
     def left(self, predicted: Channels) -> float:
         """Return the rest that a prediction leaves over."""
@@ -91,18 +91,18 @@ class Evidence:
             return solve(position, self.true["time"] if time is None else time).samples
         return {}
 
-    def late(self, by: float) -> Channels:
+    def late(self, delay: float) -> Channels:
         """Return the motion as if all were late by a time, s; nothing where there is no motion."""
-        if by not in self._late:
-            scene, time = self.scene, self.true["time"] - by
+        if delay not in self._late:
+            scene, time = self.scene, self.true["time"] - delay
             time = time if scene.periodic else np.clip(time, 0.0, scene.cycle)
-            self._late[by] = self.solved(scene, inputs_of(scene, time).driven().position, time)
-        return self._late[by]
+            self._late[delay] = self.solved(scene, inputs_of(scene, time).driven().position, time)
+        return self._late[delay]
 
     @cached_property
     def parts(self) -> list[Part]:
         """Channels that a read-out treats alike, and hold nearly all: a channel, a vector, all of a body, ..."""
-        return [part for part in parts(self.channels, self.names) if self.outside(part.channels) <= EXPLAINED]
+        return [part for part in parts(self.channels, self.names) if self.outside(part.channels) <= MAX_REST_TRIED]
 
     def at(self, kept: NDArray[np.intp]) -> "Evidence":
         """Return the evidence at some of its rows."""
@@ -119,8 +119,8 @@ class Evidence:
         channels = [c for c in self.names if any(c in change for change in changes)]
         nothing = np.zeros(len(self.rows))
         basis = [[change.get(c, nothing) / self.scale[c] for c in channels] for change in changes]
-        off = [self.difference(c, now[c]) if now else self.deviation[c] for c in channels]
-        amounts = least_squares(np.reshape(basis, (len(changes), -1)).T, np.ravel(off))
+        deviations = [self.difference(c, now[c]) if now else self.deviation[c] for c in channels]
+        amounts = least_squares(np.reshape(basis, (len(changes), -1)).T, np.ravel(deviations))
         return amounts, self.changed(amounts, changes)
 
     def changed(self, amounts: Iterable[float], changes: Sequence[Channels]) -> Channels:
@@ -147,7 +147,7 @@ class Evidence:
                     break
             else:
                 return x, now
-            settled = self.left(then) > SETTLED * self.left(now)
+            settled = self.left(then) > MAX_RATIO_OF_ROUNDS * self.left(now)
             x, now = x + shorter * change, then
             if settled:
                 break
@@ -158,18 +158,18 @@ def summed(amounts: Iterable[float], changes: Iterable[Mapping[str, Any]], now: 
     """What is there now, by name, and so much of each change."""
     total: dict[str, Any] = {}
     for amount, change in zip(amounts, changes, strict=True):
-        for name, by in change.items():
-            total[name] = total.get(name, now[name]) + amount * by
+        for name, values in change.items():
+            total[name] = total.get(name, now[name]) + amount * values
     return total
 
 
-def least_squares(columns: NDArray[np.float64], off: Samples) -> Samples:
+def least_squares(columns: NDArray[np.float64], target: Samples) -> Samples:
     """Return the amounts of columns, shape (n, k), that are nearest to something together; of empty ones nothing."""
     size = np.linalg.norm(columns, axis=0)
-    if not (np.isfinite(size).all() and np.isfinite(off).all()):
+    if not (np.isfinite(size).all() and np.isfinite(target).all()):
         return np.zeros(len(size))
     size[size == 0] = np.inf
-    return np.asarray(np.linalg.lstsq(columns / size, off, rcond=1e-6)[0] / size)
+    return np.asarray(np.linalg.lstsq(columns / size, target, rcond=1e-6)[0] / size)
 
 
 def away_from_switches(evidence: Evidence) -> Evidence:
@@ -182,7 +182,7 @@ def away_from_switches(evidence: Evidence) -> Evidence:
         return evidence
     switched = (np.diff(acts, axis=1) != 0).any(axis=0)
     elsewhere = evidence.at(np.flatnonzero(~(np.append(switched, False) | np.append(False, switched))))
-    return elsewhere if elsewhere.total > EXACT**2 * evidence.total else evidence
+    return elsewhere if elsewhere.total > CAUSE_TOL**2 * evidence.total else evidence
 
 
 def evidence(reference: Reference, sampling: Rows, motion: Motion) -> Evidence:
@@ -191,19 +191,19 @@ def evidence(reference: Reference, sampling: Rows, motion: Motion) -> Evidence:
     whole = Evidence(reference, motion, true, np.arange(sampling.count))
     if reference.mechanics.friction:
         whole = whole.at(np.flatnonzero(~resting(MotionVectors(reference.scene, true))))
-    return thinned(whole, ROWS, ABOUT)
+    return thinned(whole, MAX_ROWS, ROWS_BESIDE_WORST)
 
 
-def thinned(evidence: Evidence, most: int, about: int = 0) -> Evidence:
+def thinned(evidence: Evidence, most: int, beyond: int = 0) -> Evidence:
     """Return the evidence at so many of its rows, evenly spread, and at those about the worst."""
     count = len(evidence.rows)
     if count <= most:
         return evidence
-    near = int(np.argmax(evidence.by_row)) + np.arange(-about, about + 1)
+    near = int(np.argmax(evidence.by_row)) + np.arange(-beyond, beyond + 1)
     spread = np.linspace(0, count - 1, max(most, 2)).astype(np.intp)
     return evidence.at(np.unique([*spread, *near[(near >= 0) & (near < count)]]))
 
 
 def price(left: float, freedom: int) -> float:
     """Return the price by which a cause is ranked: its rest, and more by each number that was fitted."""
-    return left * (1 + PRICE * freedom)
+    return left * (1 + PRICE_OF_NUMBER * freedom)

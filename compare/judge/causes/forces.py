@@ -29,7 +29,7 @@ from ...mechanics.contacts import CONTACTS
 from ...mechanics.elements import Push, generalised, of_element, weight
 from ...mechanics.motion_vectors import MotionVectors
 from .cause import Cause, Kind
-from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
+from .evidence import MAX_REST_TRIED, Channels, Evidence, Hypothesis
 from .scene_numbers import kind_of
 
 ROUNDS = 8  # of friction by the joints' forces: what each leaves over is some thousandths of that before
@@ -70,17 +70,19 @@ class Carried(MotionVectors):
         return dict(zip(self.scene.channels.names(Role.force), changed.T, strict=True))
 
     def instead(
-        self, of: Element, text: str, *pushes: Push, by: Sequence[float] = (), names: Sequence[str] = ()
+        self, element: Element, text: str, *pushes: Push, amounts: Sequence[float] = (), names: Sequence[str] = ()
     ) -> Hypothesis:
         """Return other pushes in place of those of a load or a spring."""
-        own = (Push(push.body, -push.force, push.at, -push.moment) for push in of_element(self, of))
-        predicted = self.evidence.changed((1.0,), [self.change(*own, *pushes)])
-        return Hypothesis(Cause(kind_of(of), of.spot, text, tuple(by), tuple(names)), predicted, len(by))
+        removed = (Push(push.body, -push.force, push.at, -push.moment) for push in of_element(self, element))
+        predicted = self.evidence.changed((1.0,), [self.change(*removed, *pushes)])
+        return Hypothesis(
+            Cause(kind_of(element), element.spot, text, tuple(amounts), tuple(names)), predicted, len(amounts)
+        )
 
     @property
     def resisting(self) -> list[Push]:
         """What all friction does on the bodies."""
-        return [push for one in self.scene.friction for push in of_element(self, one)]
+        return [push for contact in self.scene.friction for push in of_element(self, contact)]
 
 
 def _carried(evidence: Evidence, motion: Motion) -> Carried:
@@ -114,14 +116,14 @@ def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
     if (turned := load.turned) is not None:
         text = f"the load at {{place}} {'turns' if load.frame == 'ground' else 'does not turn'} with {{one}}"
         yield carried.instead(load, text, *of_element(carried, turned), names=(body,))
-    (_, force, at, moment, *_), *reaction = sorted(of_element(carried, load), key=lambda push: push.body != body)
+    (_, force, position, moment, *_), *reaction = sorted(of_element(carried, load), key=lambda push: push.body != body)
     if load.is_moment:
         for owner in scene.turning:
-            push = Push(owner, force, at, moment)
+            push = Push(owner, force, position, moment)
             yield carried.instead(load, "the moment on {place} acts on {one}", push, names=(owner,))
         return
     for push in reaction:
-        alone = Push(body, force, at)
+        alone = Push(body, force, position)
         yield carried.instead(load, "the load at {place} has no reaction on {one}", alone, names=(push.body,))
     for point, owner in ((point, owner) for point, owners in scene.owners.items() for owner in owners):
         if owner != GROUND and (owner, point) != (body, load.at):
@@ -137,13 +139,13 @@ def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
     carried, time = _carried(evidence, evidence.true), evidence.motion["time"]
     step = float(np.ptp(time)) / (len(time) - 1)
     moving = [load for load in carried.scene.loads if evidence.of_forces and not load.steady]
-    for by in (way * rows * step for rows in ROWS_LATE * bool(moving) for way in (1, -1)):
-        if late := evidence.late(by):
+    for lag in (way * rows * step for rows in ROWS_LATE * bool(moving) for way in (1, -1)):
+        if late := evidence.late(lag):
             before = _carried(evidence, Motion(late))
             for load in moving:
                 pairs = zip(of_element(before, load), of_element(carried, load), strict=True)
                 pushes = (then._replace(at=now.at) for then, now in pairs)
-                yield carried.instead(load, "the load at {place} is {late}", *pushes, by=(by,))
+                yield carried.instead(load, "the load at {place} is {late}", *pushes, amounts=(lag,))
 
 
 def _switches(carried: Carried) -> Iterator[Hypothesis]:
@@ -165,7 +167,7 @@ def _switches(carried: Carried) -> Iterator[Hypothesis]:
             *(("in the last {length}", (last,), (before_end <= last) & closing) for last in lasts),
         ):
             push = Push(load.body, acting * complex(*load.force), carried.place(load.at))
-            yield carried.instead(load, f"the press force at {{place}} acts {how}", push, by=last)
+            yield carried.instead(load, f"the press force at {{place}} acts {how}", push, amounts=last)
 
 
 def _shares(carried: Carried) -> Iterator[Hypothesis]:
@@ -176,8 +178,10 @@ def _shares(carried: Carried) -> Iterator[Hypothesis]:
         yield carried.evidence.with_amounts(cause, carried.change(weight(carried, body)))
     for name in scene.turning:
         body = scene.bodies[name]
-        own, (angle, omega, _) = weights(scene, body), carried.turning(name)
-        outwards.append(Push(name, own.mass * omega**2 * np.exp(1j * angle) * own.com, carried.place(body.points[0])))
+        inertial, (angle, omega, _) = weights(scene, body), carried.turning(name)
+        outwards.append(
+            Push(name, inertial.mass * omega**2 * np.exp(1j * angle) * inertial.com, carried.place(body.points[0]))
+        )
     cause = Cause(Kind.term, "all", "the share m s w^2 of all forces is {percent}")
     yield carried.evidence.with_amounts(cause, carried.change(*outwards))
 
@@ -193,11 +197,11 @@ def _friction(carried: Carried) -> Iterator[Hypothesis]:
         unit = carried.change(*against)
         for how, size in (("Coulomb", load * np.sign(rubs)), ("constant", np.sign(rubs)), ("viscous", rubs)):
             if not (how == "viscous" and cause.place in damped):
-                fits.append((replace(cause, names=(how,)), {c: size * own for c, own in unit.items()}))
+                fits.append((replace(cause, names=(how,)), {c: size * change for c, change in unit.items()}))
         for how, resistance in (("Coulomb", load), ("viscous", np.abs(rubs)), ("dry", 1.0)):
             efforts[cause.place, how] = resistance * np.abs(rubs) * per_rate
     effort = scene.effort_channel
-    if effort in evidence.names and evidence.outside([effort]) <= EXPLAINED:
+    if effort in evidence.names and evidence.outside([effort]) <= MAX_REST_TRIED:
         text = "{two} has {one} friction of {place} that no reaction has"
         for (place, how), course in efforts.items():
             fits.append((Cause(Kind.friction, place, text, names=(how, effort)), {effort: course}))
@@ -213,28 +217,30 @@ def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, Iterat
     resisting, forces = -np.ones_like(samples["time"]), {**samples, **carried.evidence.given.samples}
     joints: list[Friction] = [GuideFriction(slider=name, length=np.inf, coefficient=1.0) for name in scene.slides]
     joints += [PinFriction(at=pin.point, body=pin.second, radius=1.0, coefficient=1.0) for pin in scene.pins]
-    for one in joints:
-        channel, joint = one.channel(scene), CONTACTS[type(one)].joint
+    for contact in joints:
+        channel, joint = contact.channel(scene), CONTACTS[type(contact)].joint
         unit = replace(carried, motion=Motion({**samples, channel: resisting}))
-        cause = Cause(Kind.friction, one.joint(scene), f"{joint} has friction ({{one}}, {{number}})")
-        yield cause, friction.rate(carried, one), friction.load(scene, one, forces), of_element(unit, one)
+        cause = Cause(Kind.friction, contact.joint(scene), f"{joint} has friction ({{one}}, {{number}})")
+        yield cause, friction.rate(carried, contact), friction.load(scene, contact, forces), of_element(unit, contact)
 
 
 def _elsewhere(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield friction of a pin that acts at another one, besides what that has; it may be shown as the first one's."""
     scene = evidence.scene
-    by_channel = {one.channel(scene): one for one in scene.friction}
-    pins = {one.channel(scene): one for one in scene.of_type(PinFriction).values()}
-    rubbing = [(c, one) for c, one in pins.items() if one.arm]
-    for (own, one), pin in product(rubbing, scene.pins):
-        there = replace(one, at=pin.point, body=pin.second)
+    by_channel = {contact.channel(scene): contact for contact in scene.friction}
+    pins = {contact.channel(scene): contact for contact in scene.of_type(PinFriction).values()}
+    rubbing = [(c, contact) for c, contact in pins.items() if contact.arm]
+    for (channel, contact), pin in product(rubbing, scene.pins):
+        there = replace(contact, at=pin.point, body=pin.second)
         other = there.channel(scene)
         standing = pins.get(other)
         if standing:
-            there = replace(there, radius=there.radius * (1 + standing.arm / one.arm))
-        every = {c: each for c, each in by_channel.items() if c != own} | {other: there}
-        if other != own and (solved := evidence.solved(replace(scene, friction=tuple(every.values())))):
+            there = replace(there, radius=there.radius * (1 + standing.arm / contact.arm))
+        every = {c: each for c, each in by_channel.items() if c != channel} | {other: there}
+        if other != channel and (solved := evidence.solved(replace(scene, friction=tuple(every.values())))):
             shown = 0 * solved[other] if standing else solved[other]
             text = "the friction of {place} acts at {one}"
-            cause = Cause(Kind.friction, one.joint(scene), text, names=(pin.channel,))
-            yield Hypothesis(cause, {own: shown, **{c: values for c, values in solved.items() if c in evidence.true}})
+            cause = Cause(Kind.friction, contact.joint(scene), text, names=(pin.channel,))
+            yield Hypothesis(
+                cause, {channel: shown, **{c: values for c, values in solved.items() if c in evidence.true}}
+            )

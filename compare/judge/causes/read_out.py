@@ -15,11 +15,11 @@ from scenes.scene import GROUND
 from ...mechanics.motion_vectors import MotionVectors, Vectors
 from ...results.frame import unit_near
 from .cause import Cause, Kind, Part, parts
-from .evidence import EXPLAINED, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
+from .evidence import MAX_REST_TRIED, MIN_ROWS, RIGHT_SAMPLE_TOL, Channels, Evidence, Hypothesis
 
-KNOWN_NUMBER = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
+KNOWN_NUMBER_TOL = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
 FACTORS = (0.0, 2.0, 0.5, 2 * pi, 0.5 / pi)  # besides those of units
-CHOICE = 2  # numbers that one of many other channels counts for
+PRICE_OF_CHOICE = 2  # numbers that one of many other channels counts for
 
 
 def read_out_causes(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -32,15 +32,15 @@ def read_out_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def in_some_rows(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what acts in the rows from the first to the last that are off, and in no others; where these are few."""
-    bad = np.flatnonzero(evidence.by_row >= NEXT_TO_NOTHING * evidence.by_row.max())
+    bad = np.flatnonzero(evidence.by_row >= RIGHT_SAMPLE_TOL * evidence.by_row.max())
     kept = np.arange(bad[0], bad[-1] + 1)
-    if not SHORTEST <= len(kept) < len(evidence.rows):
+    if not MIN_ROWS <= len(kept) < len(evidence.rows):
         return
-    off = evidence.at(kept)
-    ends = tuple(float(off.true[evidence.drive][row]) for row in (0, -1))
-    for cause, own, freedom in read_out_causes(off):
-        predicted = {c: evidence.true[c].copy() for c in own}
-        for channel, values in own.items():
+    wrong = evidence.at(kept)
+    ends = tuple(float(wrong.true[evidence.drive][row]) for row in (0, -1))
+    for cause, explained, freedom in read_out_causes(wrong):
+        predicted = {c: evidence.true[c].copy() for c in explained}
+        for channel, values in explained.items():
             predicted[channel][kept] = values
         yield Hypothesis(replace(cause, rows=ends), predicted, freedom + 1)
 
@@ -50,7 +50,7 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     rows = [evidence.channels[c] for c in channels]
     if all(np.ptp(evidence.motion[c]) == 0 < np.ptp(true[c]) for c in channels):
         held = {c: evidence.given[c] for c in channels}
-        text = "{part} {is} constant" if any(own.any() for own in held.values()) else "{part} {is} zero"
+        text = "{part} {is} constant" if any(samples.any() for samples in held.values()) else "{part} {is} zero"
         yield Hypothesis(part.cause(Kind.constant, text), held)
         return
     kind, text = Kind.sign, "{part} {has} the opposite sign"
@@ -64,13 +64,13 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     turning = any(row.is_angle for row in rows) and all(row.is_angle or row.kind == "body" for row in rows)
     in_degrees = (180 / pi, pi / 180) if turning else ()  # what angles count modulo a turn hides their factor
     for times in (1 + float(evidence.added([counted])[0][0]), *in_degrees):
-        if abs(times + 1) <= KNOWN_NUMBER:
+        if abs(times + 1) <= KNOWN_NUMBER_TOL:
             continue  # the opposite sign
         names = _units(times, [row.unit for row in rows])
-        known = bool(names) or any(abs(times - known) <= KNOWN_NUMBER * known for known in FACTORS)
+        known = bool(names) or any(abs(times - known) <= KNOWN_NUMBER_TOL * known for known in FACTORS)
         text = "{part} {is} {times}" + ", {one} in place of {two}" * bool(names)
-        own = {c: _on_turn(evidence, c, times) for c in channels} if times in in_degrees else counted
-        predicted = {c: times * values for c, values in own.items()}
+        values_of = {c: _on_turn(evidence, c, times) for c in channels} if times in in_degrees else counted
+        predicted = {c: times * values for c, values in values_of.items()}
         yield Hypothesis(part.cause(Kind.unit, text, times, names=names), predicted, int(not known))
 
 
@@ -85,7 +85,7 @@ def _on_turn(evidence: Evidence, channel: str, times: float) -> Samples:
 def _units(times: float, si: Sequence[str]) -> tuple[str, ...]:
     """Return the unit that channels of these in SI are in and that which they are read in, by their factor, if any."""
     for way in (times, 1 / times) if times > 0 else ():
-        units = [unit_near(way, own, KNOWN_NUMBER) for own in si]
+        units = [unit_near(way, unit, KNOWN_NUMBER_TOL) for unit in si]
         if all(units) and units[0] != si[0]:
             return (units[0], si[0]) if way == times else (si[0], units[0])
     return ()
@@ -98,19 +98,19 @@ def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     quantities = dict.fromkeys(row.measured for row in rows)
     if len(quantities) > 1 and not (len(channels) == 2 and _vectors(rows)):
         return
-    off = {c: evidence.deviation[c] * evidence.scale[c] for c in channels}
-    by = {}
+    deviation = {c: evidence.deviation[c] * evidence.scale[c] for c in channels}
+    shifts = {}
     for q in quantities:  # of angles, which count modulo one turn, on the circle
         alike = [row for row in rows if row.measured == q]
-        own = np.array([off[row.name] for row in alike])
-        by[q] = float(np.angle(np.mean(np.exp(1j * own))) if alike[0].is_angle else np.mean(own))
+        samples = np.array([deviation[row.name] for row in alike])
+        shifts[q] = float(np.angle(np.mean(np.exp(1j * samples))) if alike[0].is_angle else np.mean(samples))
     rate = inputs_of(evidence.scene, evidence.true["time"]).driven().rate
     of_effort = all(row.role is Role.force and row.kind == "drive" for row in rows)
-    if of_effort and (rate * sum(by.values()) > 0).all():
+    if of_effort and (rate * sum(shifts.values()) > 0).all():
         return  # friction of the drive
     kind = Kind.drive if channels == (evidence.drive,) else Kind.offset
-    cause = part.cause(kind, "{part} {is} off by a constant, {numbers}", *by.values())
-    yield Hypothesis(cause, {row.name: evidence.true[row.name] + by[row.measured] for row in rows}, len(by))
+    cause = part.cause(kind, "{part} {is} off by a constant, {numbers}", *shifts.values())
+    yield Hypothesis(cause, {row.name: evidence.true[row.name] + shifts[row.measured] for row in rows}, len(shifts))
 
 
 def _vectors(rows: Sequence[Channel]) -> list[tuple[str, str]]:
@@ -125,28 +125,28 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     if not pairs:
         return
     scene, state = evidence.scene, MotionVectors(evidence.scene, true)
-    vectors, given = ({x: of[x] + 1j * of[y] for x, y in pairs} for of in (true, evidence.given))
+    vectors, given = ({x: samples[x] + 1j * samples[y] for x, y in pairs} for samples in (true, evidence.given))
 
-    def turned(by: Mapping[str, Vectors]) -> Channels:
-        there = {x: vectors[x] * by[x] for x in vectors}
+    def turned(rotations: Mapping[str, Vectors]) -> Channels:
+        there = {x: vectors[x] * rotations[x] for x in vectors}
         return {x: v.real for x, v in there.items()} | {y: there[x].imag for x, y in pairs}
 
     in_frame = "{part} {is} in the frame of {one}"
     for body, (sign, text) in product(scene.turning, ((-1, in_frame), (1, f"{in_frame}, turned the wrong way"))):
-        by = np.exp(sign * 1j * state.angle(body))
-        yield Hypothesis(part.cause(Kind.frame, text, names=(body,)), turned(dict.fromkeys(vectors, by)))
+        rotation = np.exp(sign * 1j * state.angle(body))
+        yield Hypothesis(part.cause(Kind.frame, text, names=(body,)), turned(dict.fromkeys(vectors, rotation)))
     pins = {pin.channel: (pin.first, pin.second) for pin in scene.pins}
-    for end, which in ((0, "first"), (-1, "last")) if len(pairs) > 1 else ():
+    for end, position in ((0, "first"), (-1, "last")) if len(pairs) > 1 else ():
         places = {x: evidence.channels[x].subject for x in vectors}
         owner = {x: pins.get(place, scene.owners.get(place, (GROUND,)))[end] for x, place in places.items()}
-        cause = part.cause(Kind.frame, "{part} {is} in the frames of the {one} bodies at the joints", names=(which,))
+        cause = part.cause(Kind.frame, "{part} {is} in the frames of the {one} bodies at the joints", names=(position,))
         yield Hypothesis(cause, turned({x: np.exp(-1j * state.angle(name)) for x, name in owner.items()}))
     weight = {x: evidence.scale[x] ** -2 for x in vectors}
     angle = float(np.angle(sum(complex(np.sum(weight[x] * given[x] * vectors[x].conj())) for x in vectors)))
-    if abs(abs(angle) - pi) <= KNOWN_NUMBER:
+    if abs(abs(angle) - pi) <= KNOWN_NUMBER_TOL:
         return  # the opposite sign
     by_angle = turned(dict.fromkeys(vectors, np.exp(1j * np.array(angle))))
-    free = int(abs(abs(angle) - pi / 2) > KNOWN_NUMBER)  # at a right angle it may be swapped components
+    free = int(abs(abs(angle) - pi / 2) > KNOWN_NUMBER_TOL)  # at a right angle it may be swapped components
     yield Hypothesis(part.cause(Kind.frame, "{part} {is} turned by {angle}", angle), by_angle, free)
     swapped = {x: true[y] for x, y in pairs} | {y: true[x] for x, y in pairs}
     yield Hypothesis(part.cause(Kind.swap, "{part} {has} {its} components swapped"), swapped)
@@ -167,11 +167,11 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         relative = (a, b) == (1, -1) and evidence.channels[channels[0]].kind == "body"
         kind = Kind.pair if at_one_pin else Kind.frame if relative else Kind.copy
         predicted = {c: a * true[c] + b * true[t] for c, t in theirs.items()}
-        yield Hypothesis(part.cause(kind, text, names=(other,)), predicted, 0 if at_one_pin else CHOICE)
-    beside = (c for c in evidence.names if evidence.channels[c].owner == part.place and c != channels[0])
-    for channel in beside if len(channels) == 1 else ():
+        yield Hypothesis(part.cause(kind, text, names=(other,)), predicted, 0 if at_one_pin else PRICE_OF_CHOICE)
+    others = (c for c in evidence.names if evidence.channels[c].owner == part.place and c != channels[0])
+    for channel in others if len(channels) == 1 else ():
         cause = part.cause(Kind.copy, "{part} is a copy of {one}", names=(channel,))
-        yield Hypothesis(cause, {channels[0]: true[channel]}, CHOICE)
+        yield Hypothesis(cause, {channels[0]: true[channel]}, PRICE_OF_CHOICE)
 
 
 def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str], bool]]:
@@ -191,7 +191,7 @@ def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
     for part in parts(evidence.channels, evidence.names):
         for other, theirs, at_one_pin in _others(evidence, part) if part.place not in ("all", "drive") else ():
             first = order.index(part.place) < order.index(other)
-            if first and evidence.outside({*theirs, *theirs.values()}) <= EXPLAINED:
+            if first and evidence.outside({*theirs, *theirs.values()}) <= MAX_REST_TRIED:
                 predicted = {a: evidence.true[b] for pair in theirs.items() for a, b in (pair, pair[::-1])}
                 kind = Kind.pair if at_one_pin else Kind.swap
                 yield Hypothesis(Cause(kind, part.place, "{place} and {one} are swapped", names=(other,)), predicted)
@@ -221,5 +221,5 @@ def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
     """Moments of guides about another point than the slider's first."""
     text = "{place}'s guide moment is about another point, {length} away"
     for slider, (force, moment) in evidence.channels.guides.items():
-        if moment in evidence.names and evidence.outside([moment]) <= EXPLAINED:
+        if moment in evidence.names and evidence.outside([moment]) <= MAX_REST_TRIED:
             yield evidence.with_amounts(Cause(Kind.moment, slider, text), {moment: evidence.true[force]})

@@ -9,25 +9,25 @@ from numpy.typing import NDArray
 from scenes import Motion, Rows, Scene
 from scenes.model.motion import Samples
 
-from ...engines.runner import ON_TIME
+from ...engines.runner import INSTANT_TOL
 from ...mechanics.reference import Reference
 from .cause import Cause, Kind, Part, common
-from .evidence import NEARLY_ALL, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
+from .evidence import MAX_REST, MIN_ROWS, RIGHT_SAMPLE_TOL, Channels, Evidence, Hypothesis
 
-FEW = 0.1  # of the samples
-MOST = 0.8  # of the channels, that a spoilt row spoils
-TELLING = 3  # channels, by which a row is known: one number or two are about those of many rows
-ROUNDING = 1e-9  # of the square of the largest sample's deviation
-FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
+MAX_SHARE_OF_ROWS = 0.1  # that are spoilt
+MIN_SHARE_OF_CHANNELS = 0.8  # that a spoilt row spoils
+MIN_CHANNELS = 3  # by which a row is known: one number or two are about those of many rows
+ROUND_OFF_TOL = 1e-9  # of the square of the largest sample's deviation
+SAME_ROW_TOL = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 CYCLES_LATE = tuple(k / 16 for k in range(1, 9))
 WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
-EVEN = 1e-6  # of a step: by how much equal steps differ where instants are written at decimals
+EVEN_STEP_TOL = 1e-6  # of a step: by how much equal ones differ where instants are written at decimals
 COARSE = (2, 3, 4, 5, 6, 8, 9, 10, 12)  # samples
-FASTER = 2.0  # from each third of the start to the next, a transient dies away by more
-LEAST_BEND = 1e-3  # of a second difference
-WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
-SPREAD = 0.15  # of the samples, that noise and what is interpolated have at least
+MIN_DECAY = 2.0  # of a transient, from each third of the start to the next
+MIN_BEND = 1e-3  # of a second difference
+MAX_CORRELATION = 0.3  # of the deviations of neighbours, that noise has
+MIN_SPREAD = 0.15  # of the samples, that noise and what is interpolated have
 
 
 def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | None:
@@ -37,19 +37,23 @@ def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> Cause | 
         text = "{one} and {count} more are missing" if len(missing) > 1 else "{one} is missing"
         return Cause(Kind.missing, common(reference.scene.channels, missing), text, (len(missing) - 1,), (missing[0],))
     for kind, text, bad in (
-        (Kind.missing, "{one} is of {two}, not float64", lambda own: own.dtype != np.float64),
-        (Kind.missing, "{one} has {count} samples of {of}", lambda own: own.shape != (sampling.count,)),
-        (Kind.nonfinite, "{one} is not finite", lambda own: not np.isfinite(own).all()),
+        (Kind.missing, "{one} is of {two}, not float64", lambda samples: samples.dtype != np.float64),
+        (Kind.missing, "{one} has {count} samples of {of}", lambda samples: samples.shape != (sampling.count,)),
+        (Kind.nonfinite, "{one} is not finite", lambda samples: not np.isfinite(samples).all()),
     ):
         if wrong := [c for c in wanted if bad(motion[c])]:
             first = motion[wrong[0]]
             place, amounts = common(reference.scene.channels, wrong), (first.size, sampling.count)
             return Cause(kind, place, text, amounts, (wrong[0], str(first.dtype)))
-    off = float(np.abs(motion["time"] - sampling.times(reference.scene)).max())
-    return None if off <= ON_TIME * reference.scene.cycle else _instants(reference.scene, sampling, motion, off)
+    deviation = float(np.abs(motion["time"] - sampling.times(reference.scene)).max())
+    return (
+        None
+        if deviation <= INSTANT_TOL * reference.scene.cycle
+        else _instants(reference.scene, sampling, motion, deviation)
+    )
 
 
-def _instants(scene: Scene, sampling: Rows, motion: Motion, off: float) -> Cause:
+def _instants(scene: Scene, sampling: Rows, motion: Motion, deviation: float) -> Cause:
     steps = np.diff(motion["time"])
     for kind, text, bad in (
         (Kind.held, "row {count} has the instant of the row before", steps == 0),
@@ -59,9 +63,9 @@ def _instants(scene: Scene, sampling: Rows, motion: Motion, off: float) -> Cause
             return Cause(kind, "all", text, (int(bad.argmax()) + 2,))
     asked = sampling.times(scene)
     share = float(motion["time"] @ asked / (asked @ asked)) - 1
-    if np.abs(motion["time"] - (1 + share) * asked).max() <= 1e-3 * off:
+    if np.abs(motion["time"] - (1 + share) * asked).max() <= 1e-3 * deviation:
         return Cause(Kind.drive, "drive", "the drive's cycle is {share} of itself too {long}", (share,))
-    return Cause(Kind.lag, "all", "the samples are off the instants asked for, by up to {number} s", (off,))
+    return Cause(Kind.lag, "all", "the samples are off the instants asked for, by up to {number} s", (deviation,))
 
 
 def sample_causes(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -78,7 +82,7 @@ def _held(evidence: Evidence) -> Iterator[Hypothesis]:
     moving = [c for c in evidence.names if np.ptp(true[c]) > 1e-9 * evidence.reference.scale[c]]
     if not moving:
         return
-    same, moved = (np.array([np.diff(of[c]) for c in moving]) for of in (given, true))
+    same, moved = (np.array([np.diff(samples[c]) for c in moving]) for samples in (given, true))
     stay = dict(zip(moving, np.insert((same == 0) & (moved != 0), 0, False, axis=1), strict=True))
     some = [c for c in moving if stay[c].any() and np.ptp(given[c]) > 0]
     together = np.append(False, (same == 0).all(axis=0) & (moved != 0).any(axis=0))
@@ -104,11 +108,11 @@ def _of_rows(
 
 def _out_of_order(evidence: Evidence, channels: tuple[str, ...]) -> Iterator[Hypothesis]:
     true, given = (_rows(evidence, motion, channels) for motion in (evidence.true, evidence.given))
-    off = np.sum((given - true) ** 2, axis=1)
-    bad = np.flatnonzero(off > ROUNDING * off.max())
+    squares = np.sum((given - true) ** 2, axis=1)
+    bad = np.flatnonzero(squares > ROUND_OFF_TOL * squares.max())
     distance = np.sum((given[bad, np.newaxis] - true[np.newaxis]) ** 2, axis=2)
-    theirs = distance.min(axis=1) <= FAR_LESS * off[bad]
-    if theirs.any() and len(channels) >= TELLING:
+    theirs = distance.min(axis=1) <= SAME_ROW_TOL * squares[bad]
+    if theirs.any() and len(channels) >= MIN_CHANNELS:
         rows = np.arange(len(true))
         rows[bad[theirs]] = distance.argmin(axis=1)[theirs]
         yield _of_rows(evidence, Kind.rows, "{place} has rows of other instants, first at {where}", channels, rows, 3)
@@ -123,14 +127,14 @@ def _rows(evidence: Evidence, motion: Motion, channels: Sequence[str]) -> NDArra
 
 def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield a few samples that are off, whose neighbours are not."""
-    bad = evidence.by_row > NEXT_TO_NOTHING * evidence.by_row.max()
-    if not bad.any() or (bad[1:] & bad[:-1]).any() or bad.sum() > max(1, FEW * len(bad)):
+    bad = evidence.by_row > RIGHT_SAMPLE_TOL * evidence.by_row.max()
+    if not bad.any() or (bad[1:] & bad[:-1]).any() or bad.sum() > max(1, MAX_SHARE_OF_ROWS * len(bad)):
         return
-    least = NEXT_TO_NOTHING * evidence.total
-    of = [c for c, own in evidence.deviation.items() if np.sum(own[bad] ** 2) > least]
-    predicted = {c: np.where(bad, evidence.given[c], evidence.true[c]) for c in of}
-    place = common(evidence.channels, of)
-    if place == "all" and len(of) < MOST * len(evidence.names):
+    least = RIGHT_SAMPLE_TOL * evidence.total
+    spoilt = [c for c, deviation in evidence.deviation.items() if np.sum(deviation[bad] ** 2) > least]
+    predicted = {c: np.where(bad, evidence.given[c], evidence.true[c]) for c in spoilt}
+    place = common(evidence.channels, spoilt)
+    if place == "all" and len(spoilt) < MIN_SHARE_OF_CHANNELS * len(evidence.names):
         return  # a peak of some channels, as where a solver has trouble
     first = float(evidence.true[evidence.drive][bad.argmax()])
     text = "{place} is spoilt at {where}, its neighbours are not"
@@ -149,18 +153,18 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     step, scene = float(time[1] - time[0]), evidence.scene
     kind = Kind.drive if part.channels == (evidence.drive,) else Kind.lag
 
-    def predict(by: Samples, start: float = 0.0) -> Channels:
-        late = evidence.late(start + float(by[0]))
+    def predict(lag: Samples, start: float = 0.0) -> Channels:
+        late = evidence.late(start + float(lag[0]))
         return {c: late[c] for c in part.channels if late}
 
     starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * scene.cycle for k in CYCLES_LATE] * scene.periodic
-    either = (sign * by for by in starts for sign in (1, -1))
-    start = min(either, key=lambda by: evidence.left(predict(np.zeros(1), by)))
-    (by,), late = evidence.fitted(lambda by: predict(by, start), [1e-4 * step], 4)
+    either = (sign * time_late for time_late in starts for sign in (1, -1))
+    start = min(either, key=lambda first: evidence.left(predict(np.zeros(1), first)))
+    (lag,), late = evidence.fitted(lambda x: predict(x, start), [1e-4 * step], 4)
     if late:
-        by = float(by) + start
-        even = float(np.ptp(np.diff(time))) <= EVEN * step  # else a lag is no number of samples
-        yield Hypothesis(part.cause(kind, "{part} {is} {late}", *((by, by / step) if even else (by,))), late, 1)
+        lag = float(lag) + start
+        even = float(np.ptp(np.diff(time))) <= EVEN_STEP_TOL * step  # else a lag is no number of samples
+        yield Hypothesis(part.cause(kind, "{part} {is} {late}", *((lag, lag / step) if even else (lag,))), late, 1)
     for count in WHOLE_SAMPLES:
         predicted = {c: evidence.true[c][np.clip(rows - count, 0, rows[-1])] for c in part.channels}
         yield Hypothesis(part.cause(kind, "{part} {is} {late_rows}", count), predicted)
@@ -168,7 +172,7 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 
 def _explained(evidence: Evidence, predicted: Channels) -> Channels:
     """Return those channels that a prediction explains in part at least."""
-    return {c: own for c, own in predicted.items() if evidence.left({c: own}) < 1}
+    return {c: values for c, values in predicted.items() if evidence.left({c: values}) < 1}
 
 
 def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -178,12 +182,14 @@ def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     if len(sources) < len(known):
         return
     time, below = evidence.motion["time"], {c: evidence.motion[source] for c, source in sources.items()}
-    values = {c: np.unwrap(own) if evidence.channels[sources[c]].is_angle else own for c, own in below.items()}
+    values = {
+        c: np.unwrap(samples) if evidence.channels[sources[c]].is_angle else samples for c, samples in below.items()
+    }
     text, before = "{part} {is} {one} differences of samples", [0, *range(len(time) - 1)]
-    central = {c: np.gradient(own, time) for c, own in values.items()}
-    backward = {c: (np.diff(own) / np.diff(time))[before] for c, own in values.items()}
+    central = {c: np.gradient(samples, time) for c, samples in values.items()}
+    backward = {c: (np.diff(samples) / np.diff(time))[before] for c, samples in values.items()}
     for how, rates in (("central", central), ("backward", backward)):
-        predicted = _explained(evidence, {c: own[evidence.rows] for c, own in rates.items()})
+        predicted = _explained(evidence, {c: rate[evidence.rows] for c, rate in rates.items()})
         place = common(evidence.channels, predicted)
         yield Hypothesis(Cause(Kind.differences, place, text, names=(how,), part=part), predicted)
 
@@ -191,8 +197,8 @@ def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield a part, or those of its channels that it explains, averaged over neighbouring samples."""
     bends = {c: np.diff(np.pad(evidence.true[c], 1, "edge"), 2) for c in part.channels}
-    by = [float(evidence.added([{c: bend}])[0][0]) for c, bend in bends.items()]
-    typical = float(np.median([size for size in by if abs(size) > LEAST_BEND] or [0.0]))
+    sizes = [float(evidence.added([{c: bend}])[0][0]) for c, bend in bends.items()]
+    typical = float(np.median([size for size in sizes if abs(size) > MIN_BEND] or [0.0]))
     predicted = _explained(evidence, evidence.changed((typical,), [bends]))
     text = "{part} {is} smoothed over {its} samples"
     place = common(evidence.channels, predicted)
@@ -214,17 +220,19 @@ def _interpolated(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     rows = evidence.rows
     if len(rows) < len(evidence.motion["time"]):
         return
-    off = np.sum([evidence.deviation[c] ** 2 for c in part.channels], axis=0)
-    if np.mean(off > NEXT_TO_NOTHING * off.max()) < SPREAD:
+    squares = np.sum([evidence.deviation[c] ** 2 for c in part.channels], axis=0)
+    if np.mean(squares > RIGHT_SAMPLE_TOL * squares.max()) < MIN_SPREAD:
         return  # a few rows are missed by nodes anyhow
     from scipy.interpolate import make_interp_spline
 
     time, true = evidence.true["time"], {c: evidence.true[c] for c in part.channels}
-    values = {c: np.unwrap(own) if evidence.channels[c].is_angle else own for c, own in true.items()}
+    values = {c: np.unwrap(samples) if evidence.channels[c].is_angle else samples for c, samples in true.items()}
     for every, (degree, how) in product(COARSE, ((1, "linear"), (3, "cubic"))):
         nodes = np.unique([*rows[::every], rows[-1]])
-        if len(nodes) > 3 and off[nodes].sum() <= NEARLY_ALL**2 * off.sum():
-            predicted = {c: make_interp_spline(time[nodes], own[nodes], degree)(time) for c, own in values.items()}
+        if len(nodes) > 3 and squares[nodes].sum() <= MAX_REST**2 * squares.sum():
+            predicted = {
+                c: make_interp_spline(time[nodes], samples[nodes], degree)(time) for c, samples in values.items()
+            }
             cause = part.cause(Kind.coarse, "{part} {is} {one} between every {count}th sample", every, names=(how,))
             yield Hypothesis(cause, predicted, 1)
 
@@ -235,15 +243,17 @@ def irregular(evidence: Evidence) -> Cause | None:
     Of noise, the deviations of neighbouring samples have nothing to do with each other, and no few of them are all of
     it. Those of a transient, over their largest sizes, are in the first rows, and die away from there.
     """
-    parts = [part for part in evidence.parts if evidence.outside(part.channels) <= NEARLY_ALL]
+    parts = [part for part in evidence.parts if evidence.outside(part.channels) <= MAX_REST]
     part = min(parts, key=lambda part: len(part.channels))
-    off = np.array([evidence.deviation[c] for c in part.channels])
-    square, by_row = float(np.sum(off**2)), np.sum(off**2, axis=0)
-    if np.sum(off[:, 1:] * off[:, :-1]) <= WHITE * square and square**2 >= SPREAD * by_row.size * np.sum(by_row**2):
+    deviations = np.array([evidence.deviation[c] for c in part.channels])
+    square, by_row = float(np.sum(deviations**2)), np.sum(deviations**2, axis=0)
+    if np.sum(
+        deviations[:, 1:] * deviations[:, :-1]
+    ) <= MAX_CORRELATION * square and square**2 >= MIN_SPREAD * by_row.size * np.sum(by_row**2):
         return part.cause(Kind.noise, "{part} {is} noisy")
     size = np.array([evidence.scale[c] / evidence.scale[c].max() for c in part.channels])
-    by_row = np.sum((size * off) ** 2, axis=0)
+    by_row = np.sum((size * deviations) ** 2, axis=0)
     first, second, third = (float(part.sum()) for part in np.array_split(by_row[: len(by_row) // 4], 3))
-    most = len(by_row) > 4 * SHORTEST and first + second + third >= (1 - NEARLY_ALL**2) * by_row.sum()
-    dying = first > FASTER * second > FASTER**2 * third > 0 and by_row[0] > by_row.max() / FASTER
+    most = len(by_row) > 4 * MIN_ROWS and first + second + third >= (1 - MAX_REST**2) * by_row.sum()
+    dying = first > MIN_DECAY * second > MIN_DECAY**2 * third > 0 and by_row[0] > by_row.max() / MIN_DECAY
     return part.cause(Kind.start, "{part} {has} a start transient") if most and dying else None

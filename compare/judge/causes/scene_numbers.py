@@ -19,7 +19,7 @@ from ...mechanics.contacts import CONTACTS
 from ...mechanics.reference import Reference
 from .cause import Cause, Kind
 
-NONE = -1.005  # of a mass or a moment of inertia, by so much of itself too small: none at all, but for rounding
+NO_MASS = -1.005  # of a mass or a moment of inertia, by so much of itself too small: none at all, but for rounding
 STANDARD_GRAVITY = (0.0, -9.81)  # m/s^2
 OF_LINKAGE = {"ground", "bodies", "springs"}  # which have the lengths of a linkage
 LENGTH = "{place}'s length {one} is {length} too {long}"
@@ -40,7 +40,7 @@ class Numbers(NamedTuple):
 
     def measured(self, x: Samples) -> Cause:
         """Return the cause that numbers are, off by so much of each direction; not finite where they cannot be."""
-        none = self.cause.kind in (Kind.mass, Kind.inertia) and x[0] < NONE
+        none = self.cause.kind in (Kind.mass, Kind.inertia) and x[0] < NO_MASS
         return replace(self.cause, amounts=(np.nan,) if none else tuple(np.ravel(self.amounts(x)).tolist()))
 
 
@@ -52,9 +52,9 @@ def standing_alone(scene: Scene) -> Scene:
     bodies = dict(scene.bodies)
     for name, body in scene.bodies.items():
         if body.mass is not None:
-            own = weights(scene, body)
-            com = own.com + first_point(body)
-            bodies[name] = replace(body.weighed, com=(com.real, com.imag), inertia=own.inertia)
+            weight = weights(scene, body)
+            com = weight.com + first_point(body)
+            bodies[name] = replace(body.weighed, com=(com.real, com.imag), inertia=weight.inertia)
     return replace(scene, bodies=bodies, gravity=scene.gravity or (0.0, 0.0))
 
 
@@ -70,12 +70,12 @@ def numbers_of_causes(reference: Reference) -> Iterator[Numbers]:
 def _of_weights(scene: Scene) -> Iterator[Numbers]:
     """Yield masses, moments of inertia and centres of mass, of each body and of all, and gravity."""
     alone, a_mass = partial(Numbers, linear=True, alone=True), "{place}'s mass is {percent}"
-    own = {name: weights(scene, body) for name, body in scene.bodies.items() if body.mass}
-    turning = [name for name in scene.turning if name in own and own[name].inertia]
-    masses = {f"bodies.{name}.mass": w.mass for name, w in own.items()}
-    inertias = {f"bodies.{name}.inertia": own[name].inertia for name in turning}
-    for name in own:
-        inertia, mass = scene.bodies[name].inertia, {f"bodies.{name}.mass": own[name].mass}
+    weight_of = {name: weights(scene, body) for name, body in scene.bodies.items() if body.mass}
+    turning = [name for name in scene.turning if name in weight_of and weight_of[name].inertia]
+    masses = {f"bodies.{name}.mass": w.mass for name, w in weight_of.items()}
+    inertias = {f"bodies.{name}.inertia": weight_of[name].inertia for name in turning}
+    for name in weight_of:
+        inertia, mass = scene.bodies[name].inertia, {f"bodies.{name}.mass": weight_of[name].mass}
         if inertia is None:  # which goes with the mass
             yield Numbers(Cause(Kind.mass, name, a_mass), (mass,), linear=True)
         elif isinstance(scene.bodies[name], DrawnBody):
@@ -83,12 +83,12 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
         if inertia is not None or name in turning:
             yield alone(Cause(Kind.mass, name, a_mass), (mass,))
         if name in turning:
-            of_own = {f"bodies.{name}.inertia": own[name].inertia}
+            of_own = {f"bodies.{name}.inertia": weight_of[name].inertia}
             yield alone(Cause(Kind.inertia, name, "{place}'s moment of inertia is {inertia}"), (of_own,))
         if name in scene.turning:
             com = Cause(Kind.com, name, "{place}'s centre of mass is {com}")
             yield Numbers(com, _turned(f"bodies.{name}.com"), alone=True)
-    if len(own) > 1:
+    if len(weight_of) > 1:
         yield alone(Cause(Kind.mass, "all", "each body's mass is {percent}"), (masses | inertias,))
         yield alone(Cause(Kind.inertia, "all", "each body's moment of inertia is {percent}"), (inertias,))
     if scene.gravity is not None:  # without it this is the same as each body's mass
@@ -96,7 +96,7 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
         yield alone(Cause(Kind.mass, "all", "inertia's share of all forces is {percent}"), (masses | inertias | less,))
     bars = [name for name in turning if scene.bodies[name].inertia is None and len(scene.bodies[name].corners) == 2]
     if bars:  # as wide as w they have m w²/12 more
-        wide = {f"bodies.{name}.inertia": own[name].mass / 12 for name in bars}
+        wide = {f"bodies.{name}.inertia": weight_of[name].mass / 12 for name in bars}
         cause = Cause(Kind.inertia, "all", "each uniform bar's moment of inertia is that of one {length} wide")
         yield alone(cause, (wide,), lambda x: np.sqrt(np.where(x > 0, x, np.nan)))
     down = complex(*(scene.gravity or STANDARD_GRAVITY))
@@ -112,13 +112,13 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
 def _of_forces(scene: Scene) -> Iterator[Numbers]:
     """Yield what is wrong of loads and springs: the forces and moments of each, its table, and what its type has."""
     for place, element in scene.elements:
-        what = element.named
-        own = (one for one in scene.numbers.values() if one.path.startswith(f"{place}."))
-        size = {one.path: one.value for one in own if one.quantity.dimension in ("force", "moment")}
+        label = element.named
+        entries = (entry for entry in scene.numbers.values() if entry.path.startswith(f"{place}."))
+        size = {entry.path: entry.value for entry in entries if entry.quantity.dimension in ("force", "moment")}
         if size:
-            yield _linear(_cause(element, f"{what} is {{percent}}"), (size,))
+            yield _linear(_cause(element, f"{label} is {{percent}}"), (size,))
         if element.table is not None:
-            shifted = f"the table of {what} is shifted by {SHIFTS[element.table.over]}"
+            shifted = f"the table of {label} is shifted by {SHIFTS[element.table.over]}"
             rows = {f"{place}.table.{row}.0": 1.0 for row in range(len(element.table.values))}
             yield Numbers(_cause(element, shifted), (rows,))
         if more := TYPES.get(type(element)):
@@ -153,9 +153,9 @@ def _of_torsion_spring(place: str, spring: TorsionSpring) -> Iterator[Numbers]:
 def _of_stiffness(place: str, spring: Spring | TorsionSpring, unloaded: tuple[str, float, str]) -> Iterator[Numbers]:
     stiffness = "stiffness", spring.stiffness, f"{spring.named}{{stiffness}}"
     damping = "damping", spring.damping, f"the damping of {spring.named} is {{percent}}"
-    for of, value, text in (stiffness, unloaded, damping):
+    for key, value, text in (stiffness, unloaded, damping):
         if value is not None:
-            yield _linear(_cause(spring, text), ({f"{place}.{of}": value},))
+            yield _linear(_cause(spring, text), ({f"{place}.{key}": value},))
 
 
 TYPES: Mapping[type[Element], Callable[[str, Any], Iterator[Numbers]]] = {
@@ -176,17 +176,17 @@ def kind_of(element: Element) -> Kind:
 def _of_friction(scene: Scene) -> Iterator[Numbers]:
     """Yield friction of each joint and of all, what it has by the load and what by the rate, and the contacts."""
     every: dict[str, float] = {}
-    for number, one in enumerate(scene.friction):
-        at, place = f"friction.{number}", one.joint(scene)
-        contact = CONTACTS[type(one)]
-        coulomb = {f"{at}.{contact.linear}": getattr(one, contact.linear)}
-        viscous = {f"{at}.viscous": one.viscous} if one.viscous else {}
+    for number, friction in enumerate(scene.friction):
+        path, place = f"friction.{number}", friction.joint(scene)
+        contact = CONTACTS[type(friction)]
+        coulomb = {f"{path}.{contact.linear}": getattr(friction, contact.linear)}
+        viscous = {f"{path}.viscous": friction.viscous} if friction.viscous else {}
         ways = {"friction": coulomb | viscous}
         if viscous:
             ways |= {"Coulomb friction": coulomb, "viscous friction": viscous}
-        ways |= {what: {f"{at}.{of}": getattr(one, of)} for what, of in contact.others.items()}
-        for what, way in ways.items():
-            yield Numbers(Cause(Kind.friction, place, f"the {what} of {{place}} is {{percent}}"), (way,))
+        ways |= {label: {f"{path}.{key}": getattr(friction, key)} for label, key in contact.others.items()}
+        for label, way in ways.items():
+            yield Numbers(Cause(Kind.friction, place, f"the {label} of {{place}} is {{percent}}"), (way,))
         every |= ways["friction"]
     if len(scene.friction) > 1:
         yield Numbers(Cause(Kind.friction, "all", "all friction is {percent}"), (every,))
@@ -204,11 +204,11 @@ def _of_places(scene: Scene) -> Iterator[Numbers]:
             length = {f"bodies.{name}.lengths.{'-'.join(sorted(ends))}": 1.0}
             yield Numbers(Cause(Kind.length, name, LENGTH, names=(ordered,)), (length,))
         if body.slide is not None:
-            for of, how in (("through", "{length} beside its place"), ("along", "turned by {angle}")):
-                beside = _turned(f"bodies.{name}.slides.{of}", complex(*body.slide.along))[1:]
-                yield Numbers(Cause(Kind.guide, name, f"{{place}}'s guide is {how}"), beside)
-    of_linkage = (one for one in scene.numbers.values() if one.at[0] in OF_LINKAGE)
-    lengths = {one.path: one.value for one in of_linkage if one.quantity.dimension == "length"}
+            for key, how in (("through", "{length} beside its place"), ("along", "turned by {angle}")):
+                directions = _turned(f"bodies.{name}.slides.{key}", complex(*body.slide.along))[1:]
+                yield Numbers(Cause(Kind.guide, name, f"{{place}}'s guide is {how}"), directions)
+    of_linkage = (entry for entry in scene.numbers.values() if entry.at[0] in OF_LINKAGE)
+    lengths = {entry.path: entry.value for entry in of_linkage if entry.quantity.dimension == "length"}
     yield Numbers(Cause(Kind.length, "all", "each length is {times}"), (lengths,), lambda x: 1 + x)
 
 

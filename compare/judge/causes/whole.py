@@ -20,10 +20,10 @@ from ...results.frame import KNOWN, LENGTHS, Frame, seen, unit_near, vectors
 from .cause import Cause, Kind, Part
 from .evidence import Channels, Evidence, Hypothesis
 
-KNOWN_FRAME = 1e-4  # relative: what is fitted and is this near to nothing at all, or to a known unit, is taken for it
-LEAST = 1e-9  # relative: less is rounding
+KNOWN_FRAME_TOL = 1e-4  # relative: what is fitted and is this near to none, or to a known unit, is taken for it
+ROUND_OFF_TOL = 1e-9  # relative
 CONSTANT, LATE = 1e-2, 1e-3  # of what the drive is off by: it is off by one amount, and at a constant speed late
-COURSE = 3  # numbers that where the drive really is counts for
+PRICE_OF_COURSE = 3  # numbers that where the drive really is counts for
 BY_ANGLE = "all rates are by the crank's angle, per {one}, in place of the time"
 AXIS = "the crank's angle, by which the rows are, is in {one} in place of {two}"
 UP_TO, BY = "the drive is off by up to {displacement}", "the drive is off by {displacement}"
@@ -61,15 +61,17 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
     true = {c: evidence.true[c] for pair in pairs if {*pair} <= {*evidence.names} for c in pair}
     ways = [seen(channels, Frame(turn, mirrored=mirrored), true) for turn in (0.0, np.pi / 2)]  # by the parts of a
     shifted = {c: channels[c].axis if channels[c].order == 0 else "" for c in true}
-    ways += [{c: np.full(own.shape, float(shifted[c] == axis)) for c, own in true.items()} for axis in "xy"]  # of b
-    re, im, x, y = evidence.added(ways, {c: 0 * own for c, own in true.items()})[0].tolist()
+    ways += [
+        {c: np.full(samples.shape, float(shifted[c] == axis)) for c, samples in true.items()} for axis in "xy"
+    ]  # of b
+    re, im, x, y = evidence.added(ways, {c: 0 * samples for c, samples in true.items()})[0].tolist()
     a, b = complex(re, im), complex(x, y)
-    if not abs(a) > LEAST:
+    if not abs(a) > ROUND_OFF_TOL:
         return
-    unit = unit_near(abs(a), "m", KNOWN_FRAME)
+    unit = unit_near(abs(a), "m", KNOWN_FRAME_TOL)
     factor = 1 / LENGTHS[unit] if unit else abs(a)
-    angle = float(np.angle(a)) if abs(np.angle(a)) > KNOWN_FRAME else 0.0
-    b = b if abs(b) > KNOWN_FRAME * evidence.reference.stroke * factor else 0j
+    angle = float(np.angle(a)) if abs(np.angle(a)) > KNOWN_FRAME_TOL else 0.0
+    b = b if abs(b) > KNOWN_FRAME_TOL * evidence.reference.stroke * factor else 0j
     if not unit and (angle or b):
         return  # four numbers that are fitted explain much of anything
     causes = []
@@ -85,7 +87,9 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
         relative = any(drive.on != GROUND for drive in evidence.scene.drives)
         given = {c: evidence.true[c] for c in evidence.names}
         other = seen(channels, Frame(angle, b, mirrored, factor, relative), given)
-        predicted = {c: own for c, own in other.items() if c != evidence.drive or evidence.off[c] > LEAST}
+        predicted = {
+            c: samples for c, samples in other.items() if c != evidence.drive or evidence.off[c] > ROUND_OFF_TOL
+        }
         freedom = bool(angle) + 2 * bool(b) + (not unit)
         yield Hypothesis(replace(causes[0], besides=tuple(causes[1:])), predicted, freedom)
 
@@ -94,12 +98,12 @@ def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what would have been with the drive where it is, at another speed, or by another entry of its law."""
     scene, asked, there = evidence.scene, evidence.true[evidence.drive], evidence.given[evidence.drive]
     law = scene.drive.law
-    off, at_one_speed = there - asked, isinstance(law, ConstantSpeed)
-    most = float(off[np.abs(off).argmax()])
-    late = at_one_speed and np.ptp(off) <= LATE * abs(most)
-    if off.any() and not late and (actual := evidence.solved(scene, there)):
-        constant = np.ptp(off) <= CONSTANT * abs(most)
-        yield Hypothesis(_drive(BY if constant else UP_TO, most), actual, 1 if constant else COURSE)
+    deviation, at_one_speed = there - asked, isinstance(law, ConstantSpeed)
+    most = float(deviation[np.abs(deviation).argmax()])
+    late = at_one_speed and np.ptp(deviation) <= LATE * abs(most)
+    if deviation.any() and not late and (actual := evidence.solved(scene, there)):
+        constant = np.ptp(deviation) <= CONSTANT * abs(most)
+        yield Hypothesis(_drive(BY if constant else UP_TO, most), actual, 1 if constant else PRICE_OF_COURSE)
     if isinstance(law, ConstantSpeed):
         yield from _speeds(evidence, scene, law)
     else:
@@ -111,8 +115,12 @@ def strayed(evidence: Evidence) -> Cause | None:
     drive = evidence.drive
     if drive not in evidence.names:
         return None
-    off = float(np.abs(evidence.given[drive] - evidence.true[drive]).max())
-    return _drive(UP_TO, off) if off > LEAST * max(1.0, float(np.abs(evidence.true[drive]).max())) else None
+    deviation = float(np.abs(evidence.given[drive] - evidence.true[drive]).max())
+    return (
+        _drive(UP_TO, deviation)
+        if deviation > ROUND_OFF_TOL * max(1.0, float(np.abs(evidence.true[drive]).max()))
+        else None
+    )
 
 
 def _drive(text: str, *amounts: float) -> Cause:
@@ -122,19 +130,19 @@ def _drive(text: str, *amounts: float) -> Cause:
 def _offsets(evidence: Evidence, scene: Scene, law: DriveLaw) -> Iterator[Hypothesis]:
     """Yield a drive that is off by a constant, and its channel not; and a law with another one of its positions."""
     asked, hair = evidence.true[scene.drive_channel], [1e-5 * np.ptp(law.extent)]
-    (by,), predicted = evidence.fitted(lambda x: evidence.solved(scene, asked + x[0]), hair, 3)
-    yield Hypothesis(_drive(BY, float(by)), predicted, 1)
+    (displacement,), predicted = evidence.fitted(lambda x: evidence.solved(scene, asked + x[0]), hair, 3)
+    yield Hypothesis(_drive(BY, float(displacement)), predicted, 1)
     entries = [number for number in walk(law, "drive") if number.quantity.dimension == "position"]
     ends = [entries[0], entries[-1]] if law.periodic and not isinstance(law, HarmonicLaw) else []
     for entry in entries:
 
         def predict(x: Samples, entry: Number = entry) -> Channels:
-            moved = {one.at: one.value + float(x[0]) for one in (ends if entry in ends else [entry])}
+            moved = {number.at: number.value + float(x[0]) for number in (ends if entry in ends else [entry])}
             other: DriveLaw = put(law, moved)
             return evidence.solved(scene.with_law(other), other.at(evidence.true["time"]).position)
 
-        (by,), predicted = evidence.fitted(predict, hair)
-        cause = Cause(Kind.drive, "drive", "{one} is off by {displacement}", (float(by),), (entry.path,))
+        (displacement,), predicted = evidence.fitted(predict, hair)
+        cause = Cause(Kind.drive, "drive", "{one} is off by {displacement}", (float(displacement),), (entry.path,))
         yield Hypothesis(cause, predicted, 1)
 
 
@@ -158,7 +166,7 @@ def _speeds(evidence: Evidence, scene: Scene, law: ConstantSpeed) -> Iterator[Hy
     for text in (SPEED, RATE, CLOCK):
         (share,), _ = evidence.fitted(partial(without_drive, text=text), [1e-6], 4)
         for rate in (law.speed * (1 + float(share)), *(rates if text != CLOCK else ())):
-            if not rate or abs(rate / law.speed - 1) <= LEAST or not (predicted := at(rate, text)):
+            if not rate or abs(rate / law.speed - 1) <= ROUND_OFF_TOL or not (predicted := at(rate, text)):
                 continue
             times = law.speed / rate if text == CLOCK else rate / law.speed
             for channels in (evidence.names, others):  # its channel may be as commanded

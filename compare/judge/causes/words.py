@@ -10,19 +10,19 @@ from ...mechanics.bodies import arms, weights
 from ..verdict import plainly
 from .cause import Cause
 
-NEAR_ONE = 0.01 + 1e-9  # a factor that is no farther from one is shown in per cent
-NEAR = 5e-3  # of a number: it is missing, or of the opposite sign; of a body's length: the centre of mass is there
-NEAR_INERTIA = 2e-2  # of a moment of inertia: it is that of something else
+NEAR_ONE_TOL = 0.01 + 1e-9  # a factor that is no farther from one is shown in per cent
+NEAR_TOL = 5e-3  # of a number: it is missing, or of the opposite sign; of a body's length: the centre of mass is there
+NEAR_INERTIA_TOL = 2e-2  # of a moment of inertia: it is that of something else
 INERTIAS = {2: {3.0: "that about its end", 2.0: "that of two points"}, 3: {3.0: "that of three points"}}
 MISSING = "missing"
-NEAR_ZERO = 1e-3  # of a vector, or of a speed
-EXPLAINED = 0.01  # of the error: what a cause leaves over of it is named where it is more
+NEAR_ZERO_TOL = 1e-3  # of a vector, or of a speed
+MAX_REST_UNNAMED = 0.01  # of the error: what a cause leaves over of it is named where it is more
 
 
 def words(scene: Scene, cause: Cause) -> str:
     """Return the sentence of a cause, with those that are wrong besides, or that explain as much."""
-    ways = (" and ".join(_sentence(scene, one) for one in (each, *each.besides)) for each in (cause, *cause.others))
-    return ", or ".join(ways) + f" (all but {100 * cause.left:.0f} % of the error)" * (cause.left > EXPLAINED)
+    ways = (" and ".join(_sentence(scene, part) for part in (each, *each.besides)) for each in (cause, *cause.others))
+    return ", or ".join(ways) + f" (all but {100 * cause.left:.0f} % of the error)" * (cause.left > MAX_REST_UNNAMED)
 
 
 def _sentence(scene: Scene, cause: Cause) -> str:
@@ -37,14 +37,14 @@ def _off(share: float) -> str:
 
 def _times(_: Scene, cause: Cause) -> str:
     """Return a factor as what is wrong: `0.002 % too large`, `3 times what it should be`."""
-    by, they = cause.amounts[0], _of(cause, "it", "they")
-    return _off(by - 1) if abs(by - 1) < NEAR_ONE else f"{plainly(by, 4)} times what {they} should be"
+    factor, they = cause.amounts[0], _of(cause, "it", "they")
+    return _off(factor - 1) if abs(factor - 1) < NEAR_ONE_TOL else f"{plainly(factor, 4)} times what {they} should be"
 
 
 def _percent(share: float) -> str:
-    if abs(share + 1) < NEAR:
+    if abs(share + 1) < NEAR_TOL:
         return MISSING
-    if abs(share + 2) < 2 * NEAR:
+    if abs(share + 2) < 2 * NEAR_TOL:
         return "of the opposite sign"
     return f"{plainly(share + 1, 4)} times too large" if share > 2 else _off(share)
 
@@ -58,21 +58,21 @@ def _inertia(scene: Scene, cause: Cause) -> str:
     """Return how a moment of inertia is off, or what it is that of."""
     body, share = scene.bodies[cause.place], cause.amounts[0]
     known = {} if body.inertia is not None else INERTIAS.get(len(body.corners), {})
-    return next((what for more, what in known.items() if abs(share - more) < NEAR_INERTIA), _percent(share))
+    return next((name for more, name in known.items() if abs(share - more) < NEAR_INERTIA_TOL), _percent(share))
 
 
 def _com(scene: Scene, cause: Cause) -> str:
     body = scene.bodies[cause.place]
-    own, placed = weights(scene, body).com, arms(scene, body)
-    known = {f"at {point}": at for point, at in placed.items()}
-    known |= {"mirrored": own.conjugate(), "on the opposite side": -own}
-    there, hair = own + complex(*cause.amounts), NEAR * max(map(abs, placed.values()))
-    off = f"{_in_unit(scene, 'length', hypot(*cause.amounts))} off"
-    return next((where for where, at in known.items() if abs(there - at) < hair), off)
+    com, placed = weights(scene, body).com, arms(scene, body)
+    known = {f"at {point}": arm for point, arm in placed.items()}
+    known |= {"mirrored": com.conjugate(), "on the opposite side": -com}
+    there, hair = com + complex(*cause.amounts), NEAR_TOL * max(map(abs, placed.values()))
+    distance = f"{_in_unit(scene, 'length', hypot(*cause.amounts))} off"
+    return next((where for where, place in known.items() if abs(there - place) < hair), distance)
 
 
-def _of(cause: Cause, one: str, many: str) -> str:
-    return many if cause.part.many else one
+def _of(cause: Cause, single: str, many: str) -> str:
+    return many if cause.part.many else single
 
 
 def _in_unit(scene: Scene, quantity: str, value: float, digits: int = 3) -> str:
@@ -82,31 +82,33 @@ def _in_unit(scene: Scene, quantity: str, value: float, digits: int = 3) -> str:
 
 def _numbers(_: Scene, cause: Cause) -> str:
     """Return the components of a vector; one that is nothing beside the others is zero."""
-    least = NEAR_ZERO * max(map(abs, cause.amounts))
+    least = NEAR_ZERO_TOL * max(map(abs, cause.amounts))
     return ", ".join(plainly(number if abs(number) > least else 0.0) for number in cause.amounts)
 
 
 def _late(_: Scene, cause: Cause) -> str:
-    by, *rows = cause.amounts
+    lag, *rows = cause.amounts
     many = "".join(f" ({plainly(abs(count))} samples)" for count in rows)
-    return f"{plainly(1e3 * abs(by))} ms {'late' if by > 0 else 'early'}{many}"
+    return f"{plainly(1e3 * abs(lag))} ms {'late' if lag > 0 else 'early'}{many}"
 
 
 def _late_rows(_: Scene, cause: Cause) -> str:
-    by = int(cause.amounts[0])
-    return f"{abs(by)} sample{'s' * (abs(by) > 1)} {'late' if by > 0 else 'early'}"
+    lag = int(cause.amounts[0])
+    return f"{abs(lag)} sample{'s' * (abs(lag) > 1)} {'late' if lag > 0 else 'early'}"
 
 
 def _faster(_: Scene, cause: Cause) -> str:
     share = cause.amounts[0]
-    return "backwards" if abs(share + 2) < NEAR_ZERO else f"{'+' * (share > 0)}{plainly(100 * share)} %"
+    return "backwards" if abs(share + 2) < NEAR_ZERO_TOL else f"{'+' * (share > 0)}{plainly(100 * share)} %"
 
 
 def _frame(scene: Scene, cause: Cause) -> str:
     mirrored, angle, x, y = cause.amounts
     parts = ["mirrored"] * bool(mirrored) + [f"turned by {_in_unit(scene, 'angle', angle, 4)}"] * bool(angle)
-    least = NEAR_ZERO * hypot(x, y)
-    place = "({}, {})".format(*(_in_unit(scene, "length", of if abs(of) > least else 0.0) for of in (x, y)))
+    least = NEAR_ZERO_TOL * hypot(x, y)
+    place = "({}, {})".format(
+        *(_in_unit(scene, "length", coordinate if abs(coordinate) > least else 0.0) for coordinate in (x, y))
+    )
     return ", ".join(parts + [f"with its origin at {place}"] * bool(x or y))
 
 

@@ -25,14 +25,14 @@ from .curves import CycleCurve, Values, driving
 
 RowNumbers: TypeAlias = NDArray[np.intp]
 
-NOTHING = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
-ROUNDING = 1e-9  # of that scale: what is less is found nowhere
+MIN_SIZE = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
+ROUND_OFF_TOL = 1e-9  # of that scale: what is less is found nowhere
 AT_JOINTS = {"reaction": "largest force", "guide_force": "largest guide force", "guide_moment": "largest guide moment"}
 LARGEST = {"velocity": "peak speed", "acceleration": "peak acceleration", **AT_JOINTS}  # by kind of curve
 SMALLEST = {"transmission": "least transmission angle", "to_lock": "distance to a singular pose"}
-DWELLING = 0.01  # of the stroke: so near to its closed end the output dwells
-REST = 1e-9  # of the peak speed: so slow the output stands still
-NEWTON = 4  # steps to a quintic's zero from that of its chord: each doubles the digits
+DWELL_TOL = 0.01  # of the stroke: so near to its closed end the output dwells
+REST_TOL = 1e-9  # of the peak speed: so slow the output stands still
+NEWTON_STEPS = 4  # steps to a quintic's zero from that of its chord: each doubles the digits
 STROKE, CLOSED, OPEN, DWELL = "stroke", "closed", "open", "dwell"  # kinds of an output's numbers
 
 
@@ -70,7 +70,10 @@ def numbers(
             row = sizes.argmax(axis=-1)
             value = at(sizes, row)
             name = f"{kind} at {curve.of}" if curve.kind in AT_JOINTS else kind
-            size, there = np.maximum(value, NOTHING * curve.scale), np.where(value > ROUNDING * curve.scale, row, -1)
+            size, there = (
+                np.maximum(value, MIN_SIZE * curve.scale),
+                np.where(value > ROUND_OFF_TOL * curve.scale, row, -1),
+            )
             yield CycleNumber(name, curve, value, curve.unit, size, there, kind)
     if "effort" in by_kind:
         yield from _of_drive(scene, by_kind["effort"], motion)
@@ -79,7 +82,7 @@ def numbers(
         if least:
             curve = min(least, key=lambda curve: float(least[curve].min()))  # of all machines
             value = np.min([values.min(axis=-1) for values in least.values()], axis=0)
-            size = np.maximum(value, NOTHING * curve.scale)
+            size = np.maximum(value, MIN_SIZE * curve.scale)
             yield CycleNumber(name, curve, value, curve.unit, size, least[curve].argmin(axis=-1))
 
 
@@ -88,28 +91,28 @@ def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[Cycle
     effort = scene.channels[scene.channels.drive.effort].quantity
     values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
     with_motion, power, rate = driving(scene, values, motion)
-    size = np.maximum(np.abs(values).max(axis=-1), NOTHING * curve.scale)
+    size = np.maximum(np.abs(values).max(axis=-1), MIN_SIZE * curve.scale)
     for name, height in (("driving", with_motion), ("braking", -with_motion)):
         row = height.argmax(axis=-1)
-        acts = at(height, row) > ROUNDING * curve.scale
+        acts = at(height, row) > ROUND_OFF_TOL * curve.scale
         value = np.where(acts, at(values, row), 0.0)
         yield CycleNumber(f"peak {name} {effort}", curve, value, curve.unit, size, np.where(acts, row, -1))
     mean_square = _sum(values**2, time) / (time[..., -1] - time[..., 0])
     yield CycleNumber(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
     fastest = np.abs(rate).max(axis=-1)
-    most = np.maximum(np.abs(power).max(axis=-1), NOTHING * curve.scale * fastest)
+    most = np.maximum(np.abs(power).max(axis=-1), MIN_SIZE * curve.scale * fastest)
     for name, height in (("driving", power), ("braking", -power)):
         row = height.argmax(axis=-1)
-        acts = at(height, row) > ROUNDING * curve.scale * fastest
+        acts = at(height, row) > ROUND_OFF_TOL * curve.scale * fastest
         value = np.where(acts, at(power, row), 0.0)
         yield CycleNumber(f"peak {name} power", curve, value, "W", most, np.where(acts, row, -1))
     way = np.abs(np.diff(position)).sum(axis=-1)
     yield CycleNumber(f"work a {cycle_name(scene)}", curve, _sum(values, position), "J", size * way)
 
 
-def _sum(values: Samples, over: Samples) -> Samples:
+def _sum(values: Samples, along: Samples) -> Samples:
     """An integral, by the trapezoidal rule."""
-    return np.asarray(np.sum((values[..., :-1] + values[..., 1:]) / 2 * np.diff(over), axis=-1))
+    return np.asarray(np.sum((values[..., :-1] + values[..., 1:]) / 2 * np.diff(along), axis=-1))
 
 
 def _of_slider(
@@ -121,7 +124,7 @@ def _of_slider(
     end, dwell = "dead point" if scene.periodic else "end", way.dwell
     yield CycleNumber(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed, CLOSED)
     yield CycleNumber(f"open {end}", curve, at(way.place, way.opened), "m", way.length, way.opened, OPEN)
-    near = f"dwell within {100 * DWELLING:.0f} % of the stroke"
+    near = f"dwell within {100 * DWELL_TOL:.0f} % of the stroke"
     yield CycleNumber(near, curve, dwell, "s", dwell, way.closed, DWELL)
     if scene.periodic and "velocity" in by_kind and not np.isnan(ratio := way.quick_return).all():
         yield CycleNumber("quick return", by_kind["velocity"], ratio, "", ratio)
@@ -151,7 +154,7 @@ class Stroke:
         end = at(self.place, self.closed)
         self.length = np.asarray(np.abs(end - at(self.place, self.opened)))  # the stroke, m, shape (...)
         way = np.abs(self.place - end[..., np.newaxis])
-        self._away = np.asarray(way - DWELLING * self.length[..., np.newaxis])  # m, from where it is near that end
+        self._away = np.asarray(way - DWELL_TOL * self.length[..., np.newaxis])  # m, from where it is near that end
 
     @cached_property
     def ends(self) -> Ends:
@@ -165,7 +168,7 @@ class Stroke:
         path = quintic(time, x, *derivatives) if len(derivatives) == 2 else np.array([x[0], x[1] - x[0]])
         slope = np.arange(1, len(path))[:, np.newaxis] * path[1:]
         share = x[0] / (x[0] - x[1])
-        for _ in range(NEWTON):
+        for _ in range(NEWTON_STEPS):
             share = np.clip(share - polyval(share, path, tensor=False) / polyval(share, slope, tensor=False), 0, 1)
         with np.errstate(invalid="ignore", divide="ignore"):  # between two samples at one instant
             speed = np.abs(polyval(share, slope, tensor=False)) / time
@@ -184,7 +187,7 @@ class Stroke:
     def quick_return(self) -> Samples:
         """The time of the closing stroke over the other's, shape (...); NaN unless a cycle has one of each."""
         velocity, time = self.by_kind["velocity"].values(self.motion), self.motion["time"]
-        outwards = velocity > REST * np.abs(velocity).max(axis=-1, keepdims=True)
+        outwards = velocity > REST_TOL * np.abs(velocity).max(axis=-1, keepdims=True)
         turns = outwards[..., :-1] != outwards[..., 1:]
         rows = turns.argmax(axis=-1), turns.shape[-1] - 1 - turns[..., ::-1].argmax(axis=-1)
         instants = []

@@ -12,16 +12,16 @@ from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
-from ...engines.runner import ON_TIME
+from ...engines.runner import INSTANT_TOL
 from ...mechanics.reference import SCALE_SAMPLES, Reference
 from ..measure import Measurement
 from .curves import curves
 from .numbers import CycleNumber, numbers
 from .refined import NEXT_TO_HIGHEST, refined
 
-NOTHING = 1e-6  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
+ZERO_TOL = 1e-6  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
 STRIDE = 10  # samples of the reference's cycle
-TURNS = 10  # of a run at most, evenly spread, in which engines are compared
+MAX_TURNS = 10  # of a run, evenly spread, in which engines are compared
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
     late = reference.cycle.late.intersection(channel for curve in followed for channel in curve.channels)
     cycle = Motion({**reference.cycle.prompt.samples, **{channel: _lows(reference, channel) for channel in late}})
     motion = refined(scene, followed, cycle, solve, partial(_switches, reference))
-    over = reference.mechanics.axis.channel
+    axis_channel = reference.mechanics.axis.channel
     differences = {
         m.run.engine: _differences(reference, m.run.motion)
         for m in measurements
@@ -72,9 +72,9 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
             number.name,
             number.curve.of,
             number.curve.channels[0],
-            0.0 if abs(number.value) <= NOTHING * number.size else float(number.value),
+            0.0 if abs(number.value) <= ZERO_TOL * number.size else float(number.value),
             number.unit,
-            *_place(number, motion, motion[over]),
+            *_place(number, motion, motion[axis_channel]),
             {engine: by_name[number.name] for engine, by_name in differences.items() if number.name in by_name},
             number.kind or number.name,
         )
@@ -107,11 +107,11 @@ def _switches(reference: Reference, motion: Motion, step: Samples) -> Samples:
     return np.asarray(motion["time"][np.concatenate([np.arange(0), *changes])])
 
 
-def _place(number: CycleNumber, motion: Motion, over: Samples) -> tuple[float, float]:
+def _place(number: CycleNumber, motion: Motion, along: Samples) -> tuple[float, float]:
     """Where on the axis a number is found, and its direction there; NaN where it has neither."""
     if number.row is None or number.row < 0:
         return nan, nan
-    return float(over[number.row]), number.curve.direction(motion, int(number.row))
+    return float(along[number.row]), number.curve.direction(motion, int(number.row))
 
 
 def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
@@ -120,21 +120,21 @@ def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
     followed = curves(scene, reference.scale, motion)
     largest: dict[str, float] = {}
     for rows in _cycles(motion["time"] / scene.cycle):
-        own = Motion({c: samples[rows] for c, samples in motion.samples.items()})
-        at = reference.at(own[scene.drive_channel], own["time"])
-        true = reference.fitting(own, at, reference.acts(at))
-        theirs = {number.name: number for number in numbers(scene, followed, own)}
+        cycle_motion = Motion({c: samples[rows] for c, samples in motion.samples.items()})
+        solved = reference.at(cycle_motion[scene.drive_channel], cycle_motion["time"])
+        true = reference.fitting(cycle_motion, solved, reference.acts(solved))
+        theirs = {number.name: number for number in numbers(scene, followed, cycle_motion)}
         for number in numbers(scene, followed, true):
-            off = abs(float(theirs[number.name].value - number.value)) if number.name in theirs else nan
+            difference = abs(float(theirs[number.name].value - number.value)) if number.name in theirs else nan
             floor = max(reference.floor.by_channel.get(channel, 0.0) for channel in number.curve.channels)
-            shown = np.maximum(off / number.size, floor) if number.size > 0 else nan
+            shown = np.maximum(difference / number.size, floor) if number.size > 0 else nan
             largest[number.name] = float(np.maximum(largest.get(number.name, 0.0), shown))
     return largest
 
 
 def _cycles(cycles: Samples) -> Iterator[slice]:
     """Yield the rows of whole cycles, evenly spread over those that have passed since the first row."""
-    passed = cycles - cycles[0] + ON_TIME
+    passed = cycles - cycles[0] + INSTANT_TOL
     turns = int(passed[-1])
-    for turn in dict.fromkeys(np.linspace(0, turns - 1, min(turns, TURNS)).astype(int).tolist()):
-        yield slice(*np.searchsorted(passed, (turn, turn + 1 + 2 * ON_TIME)))
+    for turn in dict.fromkeys(np.linspace(0, turns - 1, min(turns, MAX_TURNS)).astype(int).tolist()):
+        yield slice(*np.searchsorted(passed, (turn, turn + 1 + 2 * INSTANT_TOL)))

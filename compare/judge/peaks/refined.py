@@ -25,7 +25,7 @@ from .numbers import at, chords
 FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
 ROUNDS_TO_JUMP = 5  # where press forces act: to 1e-5 of the cycle's own steps
 NEXT_TO_HIGHEST = 0.01  # of a quantity's range: how far below its largest sample that next to its highest peak may be
-AHEAD = 4  # steps beyond three samples: how far a parabola is followed
+MAX_STEPS_AHEAD = 4  # of three samples: how far a parabola is followed
 
 
 def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
@@ -36,9 +36,9 @@ def _beyond(scene: Scene, motion: Motion) -> Iterator[Samples]:
     if not scene.steady:
         yield inputs_of(scene, motion["time"]).driven().rate
     for name, table in _tables(scene):
-        over = argument(MotionVectors(scene, motion), name, table)
+        along = argument(MotionVectors(scene, motion), name, table)
         half_turn = pi / (table.arguments[-1] - table.arguments[0])  # of a sine that is zero once a period
-        for level in (over - entry for entry in table.arguments):
+        for level in (along - entry for entry in table.arguments):
             yield np.sin(half_turn * level) if table.periodic else level
 
 
@@ -146,7 +146,7 @@ def _to_longest(ends: Values) -> Samples:
     before, z, after = np.moveaxis(ends, -1, 0)
     (v1, v2), (a1, a2) = (np.moveaxis(x, -1, 0) for x in ((after - before) / 2, after - 2 * z + before))
     d = z[..., 0] - z[..., 1]
-    g1, g2, H12 = ((one.conj() * other).real for one, other in ((d, v1), (-d, v2), (-v1, v2)))
+    g1, g2, H12 = ((first.conj() * second).real for first, second in ((d, v1), (-d, v2), (-v1, v2)))
     H11, H22 = np.abs(v1) ** 2 + (d.conj() * a1).real, np.abs(v2) ** 2 - (d.conj() * a2).real
     det = H11 * H22 - H12**2  # of the square of the distance between two parabolas: one step of Newton's
     det = np.where((H11 < 0) & (det > 0), det, np.inf)  # no maximum: they stay
@@ -173,7 +173,7 @@ def _top(height: Samples, *, repeats: bool) -> Samples:
     samples = height.reshape(-1, n)
     middle = row % (n - 1) if repeats else np.clip(row, 1, n - 2)
     sides = ((middle - 1) % (n - 1), middle + 1) if repeats else (middle - 1, middle + 1)
-    before, here, after = (samples[machine, which] for which in (sides[0], middle, sides[1]))
+    before, here, after = (samples[machine, column] for column in (sides[0], middle, sides[1]))
     slope, bend = (after - before) / 2, after - 2 * here + before
     way = np.clip(-slope / np.where(bend < 0, bend, -np.inf), -1, 1)
     places = np.zeros(len(samples))
@@ -205,5 +205,5 @@ def _vertex(time: Samples, height: Samples) -> Samples:
     slope = (y1 - y0) / (t1 - t0)
     bend = ((y2 - y1) / (t2 - t1) - slope) / (t2 - t0)
     vertex = (t0 + t1) / 2 - slope / (2 * np.where(bend < 0, bend, np.nan))
-    reach = AHEAD * (t2 - t1)
+    reach = MAX_STEPS_AHEAD * (t2 - t1)
     return np.where(bend < 0, np.clip(vertex, t0 - reach, t2 + reach), highest)

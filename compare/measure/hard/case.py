@@ -72,7 +72,9 @@ def hard_cases(
     leaves what is done, there and in what is returned. Where nothing can be kept there, that is noted.
     """
     limits, read = Limits(), {name: hard.ladder(name) for name in ladders}
-    wanted = [Case(name, rung.label, one) for name, ladder in read.items() for rung in ladder.rungs for one in engines]
+    wanted = [
+        Case(name, rung.label, engine) for name, ladder in read.items() for rung in ladder.rungs for engine in engines
+    ]
     kept = Kept(folder / PARTIAL, limits)
     rows = dict(kept.read())
     left = [case for case in wanted if str(case) not in rows]
@@ -124,8 +126,8 @@ def _examined(ladder: Ladder, case: Case, runs: Runs) -> list[Row]:
     if case.engine == REFERENCE:
         row = _certified(case, reference, sampling, explained, rung.status)
         return [_counted(row, reference) if ladder.file.digits and row["outcome"] == Outcome.right else row]
-    at = partial(measure, reference, case.engine, sampling, explained=explained, runs=runs)
-    made = attempts(at, offers(case.engine, "balanced"))
+    attempt = partial(measure, reference, case.engine, sampling, explained=explained, runs=runs)
+    made = attempts(attempt, offers(case.engine, "balanced"))
     return [_attempted(case, reference, measured, explained) for measured in made]
 
 
@@ -151,7 +153,7 @@ def _figures(measured: Measurement, reference: Reference, explained: Explained) 
         locks = [float(values.min()) for name, values in motion.samples.items() if channels[name].quantity == TO_LOCK]
         row["to_lock_m"] = min(locks, default=None)
     worst = {figure: measured.worst(figure) for figure in ("max", "explained", "unexplained")}
-    return row | {f"{group}_{figure}": of[group] for group in worst["max"] for figure, of in worst.items()}
+    return row | {f"{group}_{figure}": sizes[group] for group in worst["max"] for figure, sizes in worst.items()}
 
 
 def _certified(case: Case, reference: Reference, sampling: Sampling, explained: Explained, expected: str) -> Row:
@@ -171,9 +173,13 @@ def _certified(case: Case, reference: Reference, sampling: Sampling, explained: 
 def _counted(row: Row, reference: Reference) -> Row:
     """The reference's row with the digits that it loses by group, and those that the condition allows."""
     groups = digits_lost(reference)
-    figures = {f"{group}_{name}": value for group, of in groups.items() for name, value in of.items()}
-    over = [f"{group} loses {of['lost']:.1f} digits" for group, of in groups.items() if not of["lost"] <= of["allowed"]]
-    wrong = {"outcome": str(Outcome.silent), "reason": "; ".join(over)} if over else {}
+    figures = {f"{group}_{name}": value for group, lost in groups.items() for name, value in lost.items()}
+    beyond = [
+        f"{group} loses {lost['lost']:.1f} digits"
+        for group, lost in groups.items()
+        if not lost["lost"] <= lost["allowed"]
+    ]
+    wrong = {"outcome": str(Outcome.silent), "reason": "; ".join(beyond)} if beyond else {}
     return row | figures | wrong
 
 
@@ -192,5 +198,5 @@ def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Fai
 
 def case_row(case: Case, status: str, reason: str, found_by: str, outcome: Outcome) -> Row:
     """A row without figures."""
-    of = {**case._asdict(), "setting": "", "condition": float("nan")}
-    return of | {"status": status, "outcome": str(outcome), "found_by": found_by, "reason": reason}
+    known = {**case._asdict(), "setting": "", "condition": float("nan")}
+    return known | {"status": status, "outcome": str(outcome), "found_by": found_by, "reason": reason}

@@ -36,7 +36,7 @@ from ...mechanics.reference import Reference, on_switch
 from ...mechanics.scales import magnitude, relative_errors
 
 STEP = 2.0**-40  # 1e-12, of an input: the changes keep four digits as doubles, and are small down to 1e-10 from lock
-ZERO = 1e-20  # of what its errors are divided by: what 50 digits leave of a channel that is zero by symmetry
+ZERO_TOL = 1e-20  # of what its errors are divided by: what 50 digits leave of a channel that is zero by symmetry
 EQUALLY = 12  # positions over a cycle, besides those about the nearest lock
 AROUND = np.geomspace(1e-6, 3e-2, 8)  # of a cycle: on either side of it, on the scale of any distance from 1e-11
 
@@ -54,7 +54,7 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
         request = Positions(tuple(positions(scene, nearest_lock(reference)).tolist()))
     true = _certified(scene, request)
     peak = {c: float(magnitude(true, scene.channels[c]).max()) for c in mechanics.units}
-    size = {c: value if value > ZERO * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
+    size = {c: value if value > ZERO_TOL * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
     decided = np.setdiff1d(np.arange(len(true["time"])), on_switch(reference.acts(true)))
     there = reference.at(true[scene.drive_channel], true["time"])
     errors = relative_errors(scene.channels, there, true, size)
@@ -76,11 +76,11 @@ def nearest_lock(reference: Reference) -> float:
     return next(of_lock, scene.drive.law.extent[0])
 
 
-def positions(scene: Scene, about: float) -> Samples:
+def positions(scene: Scene, middle: float) -> Samples:
     """Return positions over a cycle, and one more with those close around it, rad or m, as the drive comes by."""
     least, most = scene.drive.law.extent
-    off = (most - least) * AROUND
-    close = np.array([*(about - off), about, *(about + off)])
+    distances = (most - least) * AROUND
+    close = np.array([*(middle - distances), middle, *(middle + distances)])
     if not scene.periodic:
         close = close[(close >= least) & (close <= most)]
     all_ = np.unique([*np.linspace(least, most, EQUALLY + 1), *close])
@@ -114,11 +114,13 @@ def inputs_off(scene: Scene) -> Iterator[Scene]:
     A vector is off along itself and across itself, by its own length: formulas round it as a whole; a unit vector is
     off across itself alone.
     """
-    for at, together in groupby(inputs(scene), lambda one: one.at[:-1] if isinstance(one.at[-1], int) else one.at):
+    for path, together in groupby(
+        inputs(scene), lambda number: number.at[:-1] if isinstance(number.at[-1], int) else number.at
+    ):
         first, *others = numbers = [*together]
-        if any(one.value for one in numbers):
+        if any(number.value for number in numbers):
             if first.quantity.dimension != "direction":
-                yield put(scene, {one.at: one.value * (1 + STEP) for one in numbers})
-            if others and (at[0], at[-1]) != ("loads", "forces"):  # of a table
+                yield put(scene, {number.at: number.value * (1 + STEP) for number in numbers})
+            if others and (path[0], path[-1]) != ("loads", "forces"):  # of a table
                 x, y = numbers
                 yield put(scene, {x.at: x.value - STEP * y.value, y.at: y.value + STEP * x.value})

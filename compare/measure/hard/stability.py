@@ -105,9 +105,12 @@ def heavier(scene: Scene) -> Variants:
     """The scene with its heaviest body lighter and heavier, by factor."""
     heaviest = max(scene.bodies.values(), key=lambda body: body.mass or 0.0).weighed
     scene = put(scene, {("bodies", heaviest.name): heaviest})
-    own = {"mass": heaviest.mass or 0.0} | ({} if heaviest.inertia is None else {"inertia": heaviest.inertia})
+    inertial = {"mass": heaviest.mass or 0.0} | ({} if heaviest.inertia is None else {"inertia": heaviest.inertia})
     return [
-        (f"{factor:g}", put(scene, {("bodies", heaviest.name, name): factor * of for name, of in own.items()}))
+        (
+            f"{factor:g}",
+            put(scene, {("bodies", heaviest.name, name): factor * value for name, value in inertial.items()}),
+        )
         for factor in MASS_FACTORS
     ]
 

@@ -10,7 +10,7 @@ import numpy as np
 from scenes import InputError
 from scenes.errors import one_line
 
-MOST_MEMBERS = 200  # each takes a second or more, a curve in every figure
+MAX_MEMBERS = 200  # each takes a second or more, a curve in every figure
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ def variation(text: str) -> VariedNumber:
     except ValueError:
         example = "bodies.rocker.lengths.O-P3=280:320:5"
         raise InputError(f"--vary {shown}: expected PATH=FROM:TO:COUNT, as in {example}") from None
-    if not 2 <= members <= MOST_MEMBERS:
-        raise InputError(f"--vary {shown}: expected a COUNT from 2 to {MOST_MEMBERS}, found {members}")
+    if not 2 <= members <= MAX_MEMBERS:
+        raise InputError(f"--vary {shown}: expected a COUNT from 2 to {MAX_MEMBERS}, found {members}")
     values = np.linspace(start, stop, members).tolist() if isfinite(stop - start) else []
     if len({*values}) < members:
         raise InputError(f"--vary {shown}: expected two different values, FROM and TO, and COUNT of them in all")
@@ -42,8 +42,8 @@ def variation(text: str) -> VariedNumber:
 def grid(variations: Sequence[VariedNumber]) -> list[Mapping[str, float]]:
     """Every member's changes, path -> value: all combinations, the last path fastest; InputError for too many."""
     count = prod(len(variation.values) for variation in variations)
-    if count > MOST_MEMBERS:
-        raise InputError(f"--vary: expected {MOST_MEMBERS} members at most, found {count}")
+    if count > MAX_MEMBERS:
+        raise InputError(f"--vary: expected {MAX_MEMBERS} members at most, found {count}")
     paths = [variation.path for variation in variations]
     if twice := [path for path in paths if paths.count(path) > 1]:
         raise InputError(f"--vary {one_line(twice[0], 100)}: expected each number once")

@@ -21,7 +21,7 @@ from scenes.model.motion import Samples
 
 from ...engines import registry
 from ...judge.peaks.curves import CycleCurve, Values, curves
-from ...judge.peaks.numbers import DWELL, DWELLING, STROKE, CycleNumber, RowNumbers, Stroke, chords, numbers
+from ...judge.peaks.numbers import DWELL, DWELL_TOL, STROKE, CycleNumber, RowNumbers, Stroke, chords, numbers
 from ...judge.peaks.refined import needed, refined
 from ...judge.proof import channels_of, met
 from ...mechanics.reference import SCALE_SAMPLES, Reference
@@ -110,20 +110,20 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
     scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
     quantities = curves(scene, reference.scale, motion)
     terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]
-    time = np.unique([instant for own in terms for _, instant, _ in own])
+    time = np.unique([instant for parts in terms for _, instant, _ in parts])
     wanted = frozenset(channel for curve in quantities for channel in curve.channels)
     position = inputs_of(scene, time).driven().position
-    by = {**registry.derivatives(scene, paths, position, time, wanted)}
-    if left := wanted - by.keys():  # how far larger groups are from a singular pose
-        by |= _by_differences(scene, paths, position, time, left)
+    rates = {**registry.derivatives(scene, paths, position, time, wanted)}
+    if left := wanted - rates.keys():  # how far larger groups are from a singular pose
+        rates |= _by_differences(scene, paths, position, time, left)
     there = registry.reference(scene)(position, time)
     by_curve = {
-        curve: _change(curve, by) + np.array([_by_guide(scene, path, curve, there) for path in paths])
-        for curve in {curve for own in terms for curve, *_ in own}
+        curve: _change(curve, rates) + np.array([_by_guide(scene, path, curve, there) for path in paths])
+        for curve in {curve for parts in terms for curve, *_ in parts}
     }
     result = np.zeros((len(paths), len(terms)))
-    for number, own in enumerate(terms):
-        for curve, instant, weight in own:
+    for number, parts in enumerate(terms):
+        for curve, instant, weight in parts:
             result[:, number] += (np.conj(weight) * by_curve[curve][:, np.searchsorted(time, instant)]).real
     if SPEED in paths:  # a dwell is a time: at the same positions it goes with one over the speed
         (speed,) = numbers_in(scene, [SPEED])
@@ -144,11 +144,11 @@ def _by_differences(
     return {c: np.subtract(*np.split(there.samples[c], 2)) / (2 * step[:, np.newaxis]) for c in channels}
 
 
-def _change(curve: CycleCurve, by: Mapping[str, Samples]) -> Values:
+def _change(curve: CycleCurve, rates: Mapping[str, Samples]) -> Values:
     """How a quantity changes with its channels, in which it is linear, shape (p, n)."""
     if curve.kind == "guide_force":  # which is taken as a vector that turns with the guide
-        return by[curve.channels[0]]
-    return np.asarray(np.sum([part * by[channel] for channel, part in curve.parts.items()], axis=0))
+        return rates[curve.channels[0]]
+    return np.asarray(np.sum([part * rates[channel] for channel, part in curve.parts.items()], axis=0))
 
 
 def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequence[CycleCurve]) -> Iterator[Term]:
@@ -179,8 +179,8 @@ def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
         (step,), share, _, speeds = way.ends
         for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
             yield curve, float(instant), closing / speed
-            yield curve, closed, -closing * (1 - DWELLING) / speed
-            yield curve, opened, -closing * DWELLING / speed
+            yield curve, closed, -closing * (1 - DWELL_TOL) / speed
+            yield curve, opened, -closing * DWELL_TOL / speed
 
 
 def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Samples:

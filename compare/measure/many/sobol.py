@@ -50,8 +50,8 @@ def _scrambled(directions: NDArray[np.int64], random: np.random.Generator) -> ND
 def _directions() -> NDArray[np.int64]:
     """By dimension and bit of a point's Gray code, what is added to the point, modulo 2."""
     table = [[1 << bit for bit in reversed(range(BITS))]]
-    for polynomial, own in (part.split(":") for part in NUMBERS.split()):
-        m, coefficients = [int(number) for number in own.split(",")], f"{int(polynomial):b}"[1:]
+    for polynomial, code in (part.split(":") for part in NUMBERS.split()):
+        m, coefficients = [int(number) for number in code.split(",")], f"{int(polynomial):b}"[1:]
         degree = len(m)
         for n in range(degree, BITS):
             m.append(m[n - degree] ^ m[n - degree] << degree)

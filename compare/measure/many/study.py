@@ -32,7 +32,7 @@ from .machines import as_drawn, draws, gradients, machines
 BLOCK = 256  # machines that a process is asked for at a time, in the same arrays: these stay in the processor's cache
 SECONDS = 1800.0  # for a block: slow linkages take 0.1 s a machine
 QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
-ROUNDING = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
+ROUND_OFF_TOL = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
 NUMBER = re.compile(r"-?\d[\d.]*(e-?\d+)?")
 
 
@@ -117,13 +117,13 @@ class MonteCarlo:
     def spreads(self) -> list[Spread]:
         """What becomes of each number."""
         drawn = draws(self.scene, self.seed, 0, self.asked)
-        off = [drawn[path] - value for path, value in zip(drawn, numbers_in(self.scene, [*drawn]), strict=True)]
-        linear = self.nominal + np.transpose(off) @ self.gradients
+        offsets = [drawn[path] - value for path, value in zip(drawn, numbers_in(self.scene, [*drawn]), strict=True)]
+        linear = self.nominal + np.transpose(offsets) @ self.gradients
         deviations = np.array([variation.deviation for variation in self.scene.variations])
         of_each = zip(self.numbers, self.values.T, linear.T, self.gradients.T, strict=True)
         return [
-            spread(number, values, by_model, dict(zip(drawn, deviations * by, strict=True)))
-            for number, values, by_model, by in of_each
+            spread(number, values, by_model, dict(zip(drawn, deviations * rates, strict=True)))
+            for number, values, by_model, rates in of_each
         ]
 
     @cached_property
@@ -132,7 +132,7 @@ class MonteCarlo:
         by_reason: dict[tuple[str, str], list[tuple[int, str]]] = {}
         for machine, status, reason in sorted(failed for block in self.blocks for failed in block.failed):
             by_reason.setdefault((status, NUMBER.sub("", reason)), []).append((machine, reason))
-        failures = [Failed(status, own[0][1], len(own), own[0][0]) for (status, _), own in by_reason.items()]
+        failures = [Failed(status, lost[0][1], len(lost), lost[0][0]) for (status, _), lost in by_reason.items()]
         return sorted(failures, key=lambda failed: -failed.count)
 
     @property
@@ -153,19 +153,19 @@ class MonteCarlo:
         """By pin, its largest force over all machines whose numbers are off by no more than they may."""
         scene = self.scene
         keys = {variation: at_path(scene, variation.path) for variation in scene.variations}
-        off = {key: v.plus_minus * scene.size(scene.numbers[key]) for v, key in keys.items()}
+        tolerances = {key: v.plus_minus * scene.size(scene.numbers[key]) for v, key in keys.items()}
         pins = {force: pin for pin, force in scene.channels.forces_of_pins.items()}
-        found = registry.enclosures(scene, frozenset(pins), off=off).rows if pins else ()
+        found = registry.enclosures(scene, frozenset(pins), off=tolerances).rows if pins else ()
         return {pins[row.channel]: row for row in found if row.extreme == "most"}
 
     @cached_property
     def worst(self) -> tuple[int, Spread] | None:
         """The machine that is the farthest from the linkage as drawn, in standard deviations of one of its numbers."""
-        moving = [k for k, own in enumerate(self.spreads) if own.deviation > 0]
+        moving = [k for k, figure in enumerate(self.spreads) if figure.deviation > 0]
         if not moving:
             return None
-        off = np.abs(self.values - self.nominal)[:, moving] / [self.spreads[k].deviation for k in moving]
-        machine, column = np.unravel_index(np.nanargmax(off), off.shape)
+        distance = np.abs(self.values - self.nominal)[:, moving] / [self.spreads[k].deviation for k in moving]
+        machine, column = np.unravel_index(np.nanargmax(distance), distance.shape)
         return int(machine), self.spreads[moving[int(column)]]
 
     def changes(self, machine: int) -> Mapping[str, float]:
@@ -182,7 +182,7 @@ def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapp
     run = values[kept] if kept.any() else np.full(1, nan)
     least, largest = (int(np.nanargmin(values)), int(np.nanargmax(values))) if kept.any() else (-1, -1)
     deviation = float(run.std(ddof=1)) if run.size > 1 else nan
-    if deviation <= ROUNDING * max(abs(nominal), abs(size)):
+    if deviation <= ROUND_OFF_TOL * max(abs(nominal), abs(size)):
         deviation = 0.0
     quantiles = {f"{q:.5g}": float(value) for q, value in zip(QUANTILES, np.quantile(run, QUANTILES), strict=True)}
     unexplained = float(np.mean(np.square((values - linear)[kept]))) / deviation**2 if deviation > 0 else nan
@@ -217,19 +217,19 @@ def solved(study: MonteCarlo) -> Iterator[Block]:
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     limits = Limits(SECONDS, workers=min(cores, len(parts)))
-    for own, outcome in isolated(solve, parts, limits, lambda: None):
+    for part, outcome in isolated(solve, parts, limits, lambda: None):
         if isinstance(outcome, Ended):
-            lost = [(machine, outcome.status.name, outcome.reason) for machine in own]
-            outcome = Block(own.start, np.full((len(own), len(study.numbers)), np.nan), lost)
+            lost = [(machine, outcome.status.name, outcome.reason) for machine in part]
+            outcome = Block(part.start, np.full((len(part), len(study.numbers)), np.nan), lost)
         yield outcome
 
 
-def _block(reference: Reference, count: int, seed: int, own: range) -> Block:
+def _block(reference: Reference, count: int, seed: int, rows: range) -> Block:
     """Draw and solve some machines, and keep nothing but their `count` numbers."""
-    some = machines(reference, draws(reference.scene, seed, own.start, len(own)))
-    values = np.full((len(own), count), np.nan)
+    some = machines(reference, draws(reference.scene, seed, rows.start, len(rows)))
+    values = np.full((len(rows), count), np.nan)
     if some.numbers:
         values[some.running] = np.transpose([number.value for number in some.numbers])
-    ended = enumerate(zip(some.status, some.reason, strict=True), own.start)
+    ended = enumerate(zip(some.status, some.reason, strict=True), rows.start)
     failed = [(n, status.name, reason) for n, (status, reason) in ended if status is not Status.ok]
-    return Block(own.start, values, failed, int(np.sum(some.met)))
+    return Block(rows.start, values, failed, int(np.sum(some.met)))

@@ -16,7 +16,7 @@ from ...engines.runner import Run, Runs
 from ...judge.measure import Measurement
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
-THIRD = 1 / 3  # of a run's processor time, for its speed table
+MAX_SHARE = 1 / 3  # of a run's processor time, for its speed table
 ERRORS = 0.75  # of the time for a speed table, for the errors; what they leave is the clock's
 LEFT_OUT = "left out, since the table would take more than a third of the run's processor time; --full has it"
 

@@ -26,10 +26,10 @@ from ...judge.measure import Measurement, assess
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain
 from .share import ERRORS, LEFT_OUT, SAMPLING, EngineShare, Watch, at_samples, last_run, steps_per_cycle
-from .work_precision import LEVELS, TIE, SpeedRow, contenders, groups, solved
+from .work_precision import LEVELS, TIE_TOL, SpeedRow, contenders, groups, solved
 
-DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
-LEAST_ROUNDS = 1  # beside its neighbours; what is compared takes more, and of alike solves in full there are several
+MAX_DOUBTED_RATIO = 1.75  # of the limit of a tie to a time, below which a busy machine might have moved it across
+MIN_ROUNDS = 1  # beside its neighbours; what is compared takes more, and of alike solves in full there are several
 PATIENCE = 0.3  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
 # The three fastest solves within this of each other: chance alone would hardly repeat a lucky one. Two runs may be
 # three times as far apart and name the same setting, or call both level.
@@ -38,7 +38,7 @@ ALIKE_SOLVES, AGREE = 3, 0.05
 
 @dataclass(frozen=True)
 class Budget:
-    """How much may be spent on speed: `LEAST_ROUNDS`, fewer of slow settings, up to `rounds` while `seconds` last."""
+    """How much may be spent on speed: `MIN_ROUNDS`, fewer of slow settings, up to `rounds` while `seconds` last."""
 
     rounds: int
     seconds: float  # of processor time, of the runs in the rounds beyond the least
@@ -134,7 +134,7 @@ def _error_runs(
     too_slow: dict[str, int] = {}  # steps per cycle, by family
     offered = tiers(engine)
     for settings, role in settings_of(engine, full=budget.full).items():
-        tier = " ".join(name for name, own in offered.items() if own == settings)
+        tier = " ".join(name for name, offer in offered.items() if offer == settings)
         steps, least = steps_per_cycle(settings) or 0, too_slow.get(settings.family, inf)
         reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already" if steps > least else ""
         if reason := reason or LEFT_OUT * (settings not in free and not part.holds(steps)):
@@ -166,7 +166,7 @@ def _row(measurement: Measurement, settings: Settings, role: str, tier: str) -> 
         **_seconds([run]),
         read_s=run.read_s,
         timed_runs=0,
-        errors={f"{group}_{figure}": of[group] for group in worst["max"] for figure, of in worst.items()},
+        errors={f"{group}_{figure}": sizes[group] for group in worst["max"] for figure, sizes in worst.items()},
         steps_made=run.counters.get("steps", nan),
         counters=run.counters,
     )
@@ -217,7 +217,7 @@ def take_turns(
     def batches() -> Iterator[Sequence[int]]:
         every, end = range(len(times)), inf  # of the processor time of all runs, after which none begins
         share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
-        rounds = ALIKE_SOLVES if budget.full else LEAST_ROUNDS
+        rounds = ALIKE_SOLVES if budget.full else MIN_ROUNDS
         for done in range(max(rounds, budget.rounds)):
             if done == rounds:
                 end = spent(chain.from_iterable(times)) + budget.seconds
@@ -262,7 +262,7 @@ def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> li
     doubtful: set[int] = set()
     for places in contests:
         ratio = np.array(times)[places] / min(times[place] for place in places)
-        near = (np.abs(np.log(ratio / (1 + TIE))) < np.log(DOUBT)) & (ratio > 1)
+        near = (np.abs(np.log(ratio / (1 + TIE_TOL))) < np.log(MAX_DOUBTED_RATIO)) & (ratio > 1)
         if near.any():
             doubtful |= {int(place) for place in places[near | (ratio == 1)]}
     return sorted(doubtful)

@@ -24,13 +24,13 @@ from ...mechanics.mechanics import SHOWN_GROUPS
 LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6, "1e-8": 1e-8}
 # Of the fastest time. While another program runs on the same core, Exudyn's solves of the toggle press take 1.75 times
 # the processor time, pymunk's 1.35 times: a ratio of up to 1.3 between two settings may be the neighbour's.
-TIE = 0.5
+TIE_TOL = 0.5
 # What is named may change from run to run where a ratio is near the limit of a tie; up to this one it is called level
 # all the same: two runs whose times are up to a sixth apart differ in what they name only where both call it level.
-ALIKE = 0.75
+CHOICE_TOL = 0.75
 ABOVE_FLOOR = 10.0  # times the floor: there the floor is a tenth of the error at most
-LEAST_POINTS = 3  # of a fit, so that it has a residual
-STRAIGHT = 0.02  # decades: where theory holds errors lie on a line as well as this
+MIN_POINTS = 3  # of a fit, so that it has a residual
+STRAIGHT_TOL = 0.02  # decades: where theory holds errors lie on a line as well as this
 LAST, SETTLED = 2, 0.25  # local orders, as far apart: two whole orders, one apart, are four times as far
 
 
@@ -137,7 +137,7 @@ def contenders(points: Iterable[SpeedRow]) -> list[tuple[str, str, list[SpeedRow
 # --- the cheapest setting for an error -------------------------------------------------------------------------------
 
 
-def as_fast(points: Iterable[SpeedRow], error: str, limit: float, tie: float = TIE) -> list[SpeedRow]:
+def as_fast(points: Iterable[SpeedRow], error: str, limit: float, tie: float = TIE_TOL) -> list[SpeedRow]:
     """The settings that are level with the fastest of those whose error is at most `limit`, the best first.
 
     The best has the smallest error of those that tie with the fastest; of equal ones, the fewest steps; of these, the
@@ -150,10 +150,10 @@ def as_fast(points: Iterable[SpeedRow], error: str, limit: float, tie: float = T
         steps = 0.0 if isnan(row.steps_made) else row.steps_made
         return row.solve_min_s > (1 + tie) * fastest, row.error(error), steps
 
-    return sorted((row for row in good if row.solve_min_s <= (1 + ALIKE) * fastest), key=rank)
+    return sorted((row for row in good if row.solve_min_s <= (1 + CHOICE_TOL) * fastest), key=rank)
 
 
-def front(points: Iterable[SpeedRow], error: str, tie: float = TIE) -> list[SpeedRow]:
+def front(points: Iterable[SpeedRow], error: str, tie: float = TIE_TOL) -> list[SpeedRow]:
     """Every setting without a note that is the cheapest for some error, fastest first; the Pareto front."""
     plain = [row for row in points if not row.note]
     best = {id(row) for limit in plain for row in as_fast(plain, error, limit.error(error), tie)[:1]}
@@ -184,9 +184,9 @@ def _fastest(points: Iterable[SpeedRow], error: str, limit: float) -> float:
 
 def standing(points: Iterable[SpeedRow], error: str, limit: float) -> dict[str, str]:
     """By engine how its fastest setting without a note stands, among the engines besides the reference."""
-    own = {engine: _fastest(rows, error, limit) for engine, note, rows in contenders(points) if not note}
-    fastest = {engine: time for engine, time in own.items() if engine != REFERENCE and not isnan(time)}
-    near = {engine: time <= (1 + TIE) * min(fastest.values()) for engine, time in fastest.items()}
+    times = {engine: _fastest(rows, error, limit) for engine, note, rows in contenders(points) if not note}
+    fastest = {engine: time for engine, time in times.items() if engine != REFERENCE and not isnan(time)}
+    near = {engine: time <= (1 + TIE_TOL) * min(fastest.values()) for engine, time in fastest.items()}
     first = "cheapest" if sum(near.values()) == 1 else "level"
     return {engine: first if is_near else "dearer" for engine, is_near in near.items()}
 
@@ -256,10 +256,10 @@ def above_floor(steps: Samples, errors: Samples, floor: float) -> int:
 
 def _order(x: Samples, y: Samples) -> tuple[float, float, list[float]]:
     """Return order, residual and local orders of the longest straight run of settings, or else of all."""
-    if len(x) < LEAST_POINTS:
+    if len(x) < MIN_POINTS:
         return nan, nan, []
-    runs = (slice(i, j) for i in range(len(x)) for j in range(i + LEAST_POINTS, len(x) + 1))
-    straight = [run for run in runs if _line(x[run], y[run])[1] <= STRAIGHT]
+    runs = (slice(i, j) for i in range(len(x)) for j in range(i + MIN_POINTS, len(x) + 1))
+    straight = [run for run in runs if _line(x[run], y[run])[1] <= STRAIGHT_TOL]
     best = max(straight or [slice(0, len(x))], key=lambda run: run.stop - run.start)
     return *_line(x[best], y[best]), [float(slope) for slope in -np.diff(y[best]) / np.diff(x[best])]
 
@@ -275,7 +275,7 @@ def step_costs(speed: Sequence[SpeedRow]) -> Iterator[StepCost]:
     Least squares of the relative errors, whose root mean square is `residual`; steps are all that were made, those
     before the first sample and those of every Richardson level.
     """
-    for points in (points for points in families(speed, "steps_made") if len(points) >= LEAST_POINTS):
+    for points in (points for points in families(speed, "steps_made") if len(points) >= MIN_POINTS):
         time, steps = np.array([(row.solve_min_s, row.steps_made) for row in points]).T
         relative = np.column_stack([1 / time, steps / time])
         (fixed, step), *_ = np.linalg.lstsq(relative, np.ones(len(time)))

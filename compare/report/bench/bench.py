@@ -28,7 +28,7 @@ from ...judge.proof import channels_of
 from ...measure.many.machines import draws
 from ...mechanics.quantities import spelled
 from ...study import Study
-from ..linkage.moving import ROUNDING, MovingPicture
+from ..linkage.moving import ROUND_OFF_TOL, MovingPicture
 from ..numbers import units
 from ..pages.html import packed
 from ..plain import plain
@@ -37,7 +37,7 @@ Signs: TypeAlias = Mapping[str, int]  # by path, 1 or -1
 Sides: TypeAlias = list[list[str]]
 
 SEED, MACHINES = 0, 500  # of the machines that the page draws: as `--monte-carlo 500` does
-EXACT = 24  # samples of the run that are kept to the last digit, against which the page checks itself
+EXACT_SAMPLES = 24  # of the run that are kept to the last digit, against which the page checks itself
 
 
 class Bench:
@@ -55,12 +55,12 @@ class Bench:
     def data(self) -> str:
         """The text that the page's script unpacks."""
         scene, values = self.scene, self.program["values"]
-        kept = sorted({*np.linspace(0, len(self.rows) - 1, EXACT).round().astype(int).tolist()})
+        kept = sorted({*np.linspace(0, len(self.rows) - 1, EXACT_SAMPLES).round().astype(int).tolist()})
         samples = [self.study.motion[channel][self.rows[kept]] for channel in self.program["channels"]]
         numbers = [{"path": path, "value": value} for path, value in zip(self.program["numbers"], values, strict=True)]
         for number in numbers:
-            if (own := scene.numbers.get(number["path"])) is not None:  # rather than where a stroke ends
-                number |= {"size": scene.size(own), "zero": own.quantity.zero}
+            if (entry := scene.numbers.get(number["path"])) is not None:  # rather than where a stroke ends
+                number |= {"size": scene.size(entry), "zero": entry.quantity.zero}
         data = {
             **self.program,
             "numbers": numbers,
@@ -95,15 +95,15 @@ class Bench:
             if body.local is not None and tables["bodies"][name].pop("lengths", None):
                 points = {point: [float(f"{q / metre:.12g}") for q in place] for point, place in body.local.items()}
                 tables["bodies"][name]["points"] = points
-        for key, of in LISTS.items():
-            for table, zero in product(tables.get(key, ()), of.zeros):
+        for key, kind in LISTS.items():
+            for table, zero in product(tables.get(key, ()), kind.zeros):
                 table.setdefault(zero, 0)  # as of a damper, which may get a stiffness
         return tables
 
     def _peak(self, channel: str) -> float:
         """What the page's difference of a channel is a part of: its peak, or where that is round-off its scale."""
         scale, peak = self.study.reference.scale.get(channel, 1.0), float(np.abs(self.study.motion[channel]).max())
-        return peak if peak > ROUNDING * scale else scale
+        return peak if peak > ROUND_OFF_TOL * scale else scale
 
     def _moves(self, point: str) -> Iterator[Mapping[str, Any]]:
         """Yield by body what of it changes when a point is dragged: lengths by their other ends, coordinates, a guide.
@@ -111,9 +111,9 @@ class Bench:
         The driven body comes first and then one that slides, since the others follow what drive and guide leave free;
         none where a body slides with more than one point, or as its drive asks.
         """
-        at, scene = self._places, self.scene
+        index, scene = self._places, self.scene
         if point in scene.ground:
-            yield {"ground": [at.get(f"ground.points.{point}.{q}", -1) for q in range(2)]}
+            yield {"ground": [index.get(f"ground.points.{point}.{q}", -1) for q in range(2)]}
             return
         owners = [scene.bodies[name] for name in scene.owners[point]]
         if any(body.slide is not None and (len(body.points) > 1 or body.name in scene.driven) for body in owners):
@@ -124,8 +124,10 @@ class Bench:
             yield {
                 "body": body.name,
                 "pivot": next((other for other in axis if other != point), "") if point in axis else "",
-                "lengths": [[at[path], other] for other, path in pairs.items() if path in at],
-                "local": [at.get(path, -1) for path in places] if places[0] in at and len(body.points) > 1 else [],
+                "lengths": [[index[path], other] for other, path in pairs.items() if path in index],
+                "local": [index.get(path, -1) for path in places]
+                if places[0] in index and len(body.points) > 1
+                else [],
                 "slide": body.slide,
             }
 
@@ -134,11 +136,11 @@ class Bench:
 
         Left out are those on which nothing depends, as the inertia of a body that does not turn.
         """
-        scene, at = self.scene, self._places
+        scene, places = self.scene, self._places
         drawn = draws(scene, SEED, 0, MACHINES) if scene.variations else {}
-        varied = [(scene.numbers[at_path(scene, path)], own) for path, own in drawn.items()]
-        off = {at[n.path]: own * scene.size(n) - n.value for n, own in varied if n.path in at}
-        return {"numbers": [*off], "off": [*off.values()]}
+        varied = [(scene.numbers[at_path(scene, path)], values) for path, values in drawn.items()]
+        offsets = {places[n.path]: values * scene.size(n) - n.value for n, values in varied if n.path in places}
+        return {"numbers": [*offsets], "off": [*offsets.values()]}
 
     def _wound(self) -> Iterator[tuple[str, Sequence[str]]]:
         """Yield the torsion springs whose angles the page follows over whole turns, with those of both bodies."""
@@ -190,7 +192,7 @@ class Bench:
         asked = list[Mapping[str, Any]]()
         for name, kind, si, channels in wanted:
             if channels and {*channels} <= {*known}:
-                zero = ROUNDING * max(self.study.reference.scale.get(channel, 1.0) for channel in channels)
+                zero = ROUND_OFF_TOL * max(self.study.reference.scale.get(channel, 1.0) for channel in channels)
                 shown = {"factor": named[si][0], "unit": named[si][1], "zero": zero}
                 asked.append({"name": name, "kind": kind, "channels": channels, **shown})
         return asked
@@ -231,7 +233,7 @@ def _sums(scene: Scene) -> Iterator[tuple[str, Signs]]:
         for point, bases in body.bases.items():
             sides = [_length(body, *pair) for pair in combinations((*bases, point), 2) if len(bases) == 2]
             text = f"the triangle of {', '.join((*bases, point))} cannot close"
-            yield from ((text, {one: -1 if one == longest else 1 for one in sides}) for longest in sides)
+            yield from ((text, {side: -1 if side == longest else 1 for side in sides}) for longest in sides)
     for place, element in scene.elements:
         for name, lack in element.least_above_zero.items():
             yield f"{place} {lack}", {f"{place}.{name}": 1}
@@ -248,8 +250,8 @@ def _triangles(body: Body) -> Iterator[Sides]:
             yield [_coordinates(body, *ends) if body.lengths is None else [_length(body, *ends)] for ends in pairs]
 
 
-def _length(body: Body, one: str, other: str) -> str:
-    return f"bodies.{body.name}.lengths.{'-'.join(sorted((one, other)))}"
+def _length(body: Body, first: str, second: str) -> str:
+    return f"bodies.{body.name}.lengths.{'-'.join(sorted((first, second)))}"
 
 
 def _coordinates(body: Body, *points: str) -> list[str]:

@@ -21,7 +21,7 @@ from .figure import Figure, draw, side_by_side, stacked
 from .style import BEFORE, BOUND, DARK_GREY, DASHES, FLOOR, GREY, LOG, colour, drive_axes, layout, marker
 
 MARKERS = 36  # per cycle, shared out between the engines
-FIGURES = 24  # of panels, at most
+MAX_PANELS = 24  # of a figure
 PLOTTED = ("velocity", "acceleration", "reaction")  # over the distance
 
 
@@ -70,7 +70,7 @@ def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
         of_a_joint = study.scene.channels[panel.judged[0]].group == "reaction"
         return of_a_joint, -max(worst.get(channel, 0.0) for channel in panel.judged)
 
-    first = sorted(every, key=rank)[:FIGURES]
+    first = sorted(every, key=rank)[:MAX_PANELS]
     return [panel for panel in every if panel in first], [panel for panel in every if panel not in first]
 
 
@@ -99,8 +99,8 @@ def _all_panels(reference: Reference) -> Iterator[Panel]:
         yield Panel(title, f"force [{curves[0].unit}]", curves, both)
     for body, guide in scene.channels.guides.items():
         curves = [curve("force", guide.force), curve("moment", guide.moment)]
-        judged = [channel for own in curves for channel in own.factors]
-        title = ", ".join(f"{own.name} [{own.unit}]" for own in curves)
+        judged = [channel for part in curves for channel in part.factors]
+        title = ", ".join(f"{part.name} [{part.unit}]" for part in curves)
         yield Panel(f"Guide: force and moment on {body}", title, curves, judged)
     effort = scene.channels.drive.effort
     drive = curve(scene.channels[effort].quantity, effort)
@@ -123,14 +123,14 @@ def _floor(study: Study, panel: Panel) -> float:
 def over_angle(study: Study, panel: Panel, before: Motion | None = None) -> Figure:
     """Draw one panel over the drive's position or the time: curves above, dashed an earlier run's; errors below."""
     figure, across = stacked(0.6, 0.4), axis(study.scene)
-    over = across.of(study.motion)
+    along = across.of(study.motion)
     for curve, dash in zip(panel.curves, DASHES, strict=False):
-        draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
+        draw(figure, curve.name, along, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
     for number, m in enumerate(study.measurements):
         motion = m.run.motion
         if motion is None or m.comparison is None or not any(c in motion for c in panel.judged):
             continue
-        engine, there, first, turns = m.run.engine, over, number, len(study.measurements)
+        engine, there, first, turns = m.run.engine, along, number, len(study.measurements)
         if m.foreign:  # at instants of its own: marked by itself, where the others take turns
             there, first, turns = m.comparison.axis, 0, 1
         stride = max((m.asked.count if m.foreign else study.sampling.samples) // MARKERS, 1)
@@ -141,7 +141,7 @@ def over_angle(study: Study, panel: Panel, before: Motion | None = None) -> Figu
             line = {"color": colour(number), "width": 1.3}
             draw(figure, f"{engine} error", there, error(study, panel, m.comparison), 2, group=engine, line=line)
     if floor := _floor(study, panel):
-        draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
+        draw(figure, FLOOR, along[[0, -1]], [floor] * 2, 2, line=BOUND)
     for curve in panel.curves:
         if before and {*curve.factors, across.channel} <= before.samples.keys():
             line = {"color": GREY, "dash": "dash", "width": 1.5}
@@ -156,7 +156,7 @@ def assur_groups(study: Study) -> Figure | None:
     """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
     if study.sampling.channels is not None:
         return None
-    motion, over = study.motion, axis(study.scene).of(study.motion)
+    motion, along = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = units(study.reference)["m"]
     known = study.scene.channels
     factors = {TRANSMISSION: 180 / np.pi, TO_LOCK: per_metre}
@@ -173,7 +173,7 @@ def assur_groups(study: Study) -> Figure | None:
         for joint, values in curves.items():
             number = joints.index(joint)
             line = {"color": colour(number), "dash": DASHES[number // len(style.COLOURS) % len(DASHES)]}
-            draw(figure, joint, over, values, row, line=line)
+            draw(figure, joint, along, values, row, line=line)
         angle = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
         figure.update_yaxes(angle if measured == "transmission" else LOG | {"title": f"distance [{metres}]"}, panel=row)
     drive_axes(figure, study.scene, study.sampling.turns, len(rows))
@@ -182,8 +182,10 @@ def assur_groups(study: Study) -> Figure | None:
 
 def over_distance(study: Study) -> Figure | None:
     """Draw every engine's errors over the distance to the nearest singular configuration; None if no other ran."""
-    own = [(number, m) for number, m in enumerate(study.measurements) if m.run.engine != REFERENCE and not m.foreign]
-    runs = [(number, m.run.engine, m.comparison.actual) for number, m in own if m.comparison is not None]
+    numbered = [
+        (number, m) for number, m in enumerate(study.measurements) if m.run.engine != REFERENCE and not m.foreign
+    ]
+    runs = [(number, m.run.engine, m.comparison.actual) for number, m in numbered if m.comparison is not None]
     rows = study.scene.channels
     channels = {group: [c for c in study.explained.sensitivity if rows[c].group == group] for group in PLOTTED}
     groups = [group for group in PLOTTED if channels[group]]
@@ -209,17 +211,17 @@ def over_distance(study: Study) -> Figure | None:
 def friction(study: Study) -> Figure:
     """Draw what each joint's friction takes, stacked, and the drive's effort with and without friction."""
     scene, motion, figure = study.scene, study.motion, stacked(1.0, 1.0)
-    over, taken = axis(scene).of(motion), losses(scene, motion)
+    along, taken = axis(scene).of(motion), losses(scene, motion)
     named = units(study.reference)
     factor, watts = named["W"]
     for number, (joint, power) in enumerate(taken.items()):
         line = {"color": colour(number), "width": 0.5}
-        draw(figure, joint, over, factor * power, 1, line=line, stackgroup="losses")
+        draw(figure, joint, along, factor * power, 1, line=line, stackgroup="losses")
     effort = scene.effort_channel
     factor, unit = named[scene.channels[effort].unit]
-    draw(figure, "with friction", over, factor * motion[effort], 2, line={"color": DARK_GREY})
+    draw(figure, "with friction", along, factor * motion[effort], 2, line={"color": DARK_GREY})
     free = {"color": DARK_GREY, "dash": "dot"}
-    draw(figure, "without friction", over, factor * frictionless(scene, motion), 2, line=free)
+    draw(figure, "without friction", along, factor * frictionless(scene, motion), 2, line=free)
     figure.update_yaxes(title=f"losses [{watts}]", panel=1)
     figure.update_yaxes(title=f"{effort} [{unit}]", panel=2)
     drive_axes(figure, scene, study.sampling.turns, 2)

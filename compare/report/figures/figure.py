@@ -19,9 +19,9 @@ from ..plain import plain
 
 Attributes: TypeAlias = Mapping[str, Any]  # as plotly names them
 
-CURVE = 2000  # points at most
-PAGE = 80_000  # of all curves; a point is 6 to 11 bytes of the page
-OF_A_STRETCH = 8  # ends, least, largest and gap of both coordinates; mostly four, where one of them only grows
+MAX_POINTS = 2000  # of a curve
+MAX_POINTS_OF_PAGE = 80_000  # of all curves; a point is 6 to 11 bytes of the page
+POINTS_OF_STRETCH = 8  # ends, least, largest and gap of both coordinates; mostly four, where one of them only grows
 HEADING = {"font": {"size": 16}, "xanchor": "center", "yanchor": "bottom", "xref": "paper", "yref": "paper"}
 
 
@@ -49,22 +49,26 @@ class Figure:
         """Write a text without an arrow."""
         self.layout.setdefault("annotations", []).append({"text": text, "showarrow": False} | place)
 
-    def _update(self, letter: str, *more: Attributes, panel: int | Iterable[int] | None = None, **own: Any) -> Self:
+    def _update(
+        self, letter: str, *more: Attributes, panel: int | Iterable[int] | None = None, **attributes: Any
+    ) -> Self:
         """Set attributes of an axis of a panel, of some panels, or of all of them."""
         for number in self._panels if panel is None else [panel] if isinstance(panel, int) else panel:
-            _merge(self.layout[f"{letter}axis{_name(number)}"], *more, own)
+            _merge(self.layout[f"{letter}axis{_name(number)}"], *more, attributes)
         return self
 
     update_xaxes, update_yaxes = partialmethod(_update, "x"), partialmethod(_update, "y")
 
-    def update_layout(self, *more: Attributes, **own: Any) -> Self:
+    def update_layout(self, *more: Attributes, **attributes: Any) -> Self:
         """Set attributes of the layout."""
-        _merge(self.layout, *more, own)
+        _merge(self.layout, *more, attributes)
         return self
 
-    def shown(self, most: int = CURVE) -> Any:
+    def shown(self, most: int = MAX_POINTS) -> Any:
         """What the script of a page draws, in JSON's types, with at most so many points a curve."""
-        traces = [{name: _packed(of) for name, of in each.items()} for each in thinned(self.traces, most, np.float32)]
+        traces = [
+            {name: _packed(values) for name, values in each.items()} for each in thinned(self.traces, most, np.float32)
+        ]
         return plain({"data": traces, "layout": self.layout})
 
 
@@ -114,18 +118,18 @@ def _shares(parts: Sequence[float], gap: float) -> list[tuple[float, float]]:
     return [(end - scale * part, end) for part, end in zip(parts, ends, strict=True)]
 
 
-def _merge(into: dict[str, Any], *more: Attributes) -> None:
+def _merge(target: dict[str, Any], *more: Attributes) -> None:
     """Set attributes, of parts attribute by attribute; of a title its text alone may be given."""
     for name, value in (item for attributes in more for item in attributes.items()):
         if isinstance(value, Mapping):
-            _merge(into.setdefault(name, {}), value)
+            _merge(target.setdefault(name, {}), value)
         else:
-            into[name] = {"text": value} if name == "title" else value
+            target[name] = {"text": value} if name == "title" else value
 
 
-def extremes(x: Samples, y: Samples, most: int = CURVE) -> NDArray[np.intp]:
+def extremes(x: Samples, y: Samples, most: int = MAX_POINTS) -> NDArray[np.intp]:
     """The rows of a curve to draw, in order: all, or `most` at most with every stretch's extremes and a gap (NaN)."""
-    n, stretches = len(x), max(most // OF_A_STRETCH, 1)
+    n, stretches = len(x), max(most // POINTS_OF_STRETCH, 1)
     if n <= most:
         return np.arange(n)
     rows = np.minimum(np.arange(stretches * -(-n // stretches)), n - 1).reshape(stretches, -1)
@@ -133,20 +137,24 @@ def extremes(x: Samples, y: Samples, most: int = CURVE) -> NDArray[np.intp]:
     for values in (np.asarray(x, float)[rows], np.asarray(y, float)[rows]):
         gap = np.isnan(values)
         least, largest = np.where(gap, np.inf, values).argmin(axis=1), np.where(gap, -np.inf, values).argmax(axis=1)
-        kept += [np.take_along_axis(rows, at[:, np.newaxis], 1)[:, 0] for at in (least, largest, gap.argmax(axis=1))]
+        kept += [
+            np.take_along_axis(rows, column[:, np.newaxis], 1)[:, 0] for column in (least, largest, gap.argmax(axis=1))
+        ]
     return np.array(sorted({*np.concatenate(kept).tolist()}))
 
 
 def affordable(figures: Iterable[Iterable[Attributes]]) -> int:
     """How many points a curve may have, so that all curves of some figures fit on a page."""
     lengths = [len(trace["x"]) for traces in figures for trace in traces if _is_curve(trace)]
-    most = CURVE
-    while sum(min(length, most) for length in lengths) > PAGE:
+    most = MAX_POINTS
+    while sum(min(length, most) for length in lengths) > MAX_POINTS_OF_PAGE:
         most = most * 3 // 4
     return most
 
 
-def thinned(traces: Iterable[Attributes], most: int = CURVE, precision: DTypeLike = np.float64) -> list[Attributes]:
+def thinned(
+    traces: Iterable[Attributes], most: int = MAX_POINTS, precision: DTypeLike = np.float64
+) -> list[Attributes]:
     """Traces with at most so many points a curve, and those in some precision; curves of a stack have the same rows."""
     shown = [*traces]
     stack = [np.asarray(trace["y"]) for trace in shown if "stackgroup" in trace]
@@ -156,7 +164,7 @@ def thinned(traces: Iterable[Attributes], most: int = CURVE, precision: DTypeLik
             together = stack if "stackgroup" in trace else [y]
             each = [extremes(x, other, most // len(together)).tolist() for other in together]
             rows = np.array(sorted({row for rows in each for row in rows}))
-            kept = (of[rows].astype(precision if of.dtype == np.float64 else of.dtype) for of in (x, y))
+            kept = (values[rows].astype(precision if values.dtype == np.float64 else values.dtype) for values in (x, y))
             shown[number] = {**trace, **dict(zip("xy", kept, strict=True))}
     return shown
 

@@ -57,8 +57,13 @@ def _cells(rows: pd.DataFrame) -> dict[str, Any]:
         share = 1 - np.log10(min(max(error, LEAST), 1.0)) / np.log10(LEAST)
         shades.append(graded(share) if status is Status.ok else FAILED)
     place = {"x": pd.factorize(rows["label"])[0], "y": pd.factorize(rows["steps"], sort=True)[0]}
-    own = {"text": texts, "customdata": [*map(_hover, cells)], "meta": shades, "hovertemplate": "%{customdata}"}
-    return {"type": "heatmap", **place, **own}
+    texts_of_cells = {
+        "text": texts,
+        "customdata": [*map(_hover, cells)],
+        "meta": shades,
+        "hovertemplate": "%{customdata}",
+    }
+    return {"type": "heatmap", **place, **texts_of_cells}
 
 
 def _hover(cell: Mapping[Hashable, Any]) -> str:
@@ -90,8 +95,8 @@ def over_condition(cases: pd.DataFrame) -> Figure | None:
             mark = {"color": colour(number), "symbol": symbols, "size": 7, "line": {"width": 1.2}}
             text = [f"{row.ladder}, {row.rung}: {row.setting}, {row.status}" for row in shown.itertuples()]
             hover = "%{text}<br>error %{y:.2e}<extra></extra>"
-            at = shown["condition"].to_numpy(), shown[f"{group}_max"].to_numpy(), column
-            draw(figure, str(engine), *at, mode="markers", marker=mark, text=text, hovertemplate=hover)
+            places = shown["condition"].to_numpy(), shown[f"{group}_max"].to_numpy(), column
+            draw(figure, str(engine), *places, mode="markers", marker=mark, text=text, hovertemplate=hover)
         draw(figure, "κ ε", span, EPS * span, column, line=BOUND)
     error_axes(figure, "condition κ [-]", "largest relative error [-]")
     return figure.update_layout(layout(420, titled=True))

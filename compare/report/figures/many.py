@@ -16,7 +16,7 @@ from ..tables.monte_carlo import moving, shown_units
 from .figure import Figure, draw, grid
 from .style import DARK_GREY, DASHES, LEGEND_BESIDE, categories, colour, drive_axes, graded, layout
 
-MOST_LINES = 25
+MAX_LINES = 25
 STRIDE = 10  # samples of the cycle to a point of a line
 CURVES = {"displacement": "m", "x": "m", "y": "m", "velocity": "m/s", "acceleration": "m/s^2"}  # SI units by name
 OF_THE_DRIVE = {"torque": "N*m", "force": "N"}
@@ -30,12 +30,12 @@ def curves(family: Family) -> Figure:
     """Draw the output's displacement, velocity and acceleration, and the drive's effort, over the drive's position."""
     shown, named = list(drawn(family)), family_units(family)
     units = {name: unit for name, unit in (CURVES | OF_THE_DRIVE).items() if name in shown[0][1].curves}
-    over = axis(family.scene)
+    along = axis(family.scene)
     figure = grid([f"{'Drive' if name in OF_THE_DRIVE else family.scene.output}: {name}" for name in units], 2)
     for number, (name, si) in enumerate(units.items(), start=1):
         factor, unit = named[si]
         for member, cycle in shown:
-            x = (over.factor * cycle.position)[::STRIDE].astype(np.float32)
+            x = (along.factor * cycle.position)[::STRIDE].astype(np.float32)
             y = (factor * cycle.curves[name])[::STRIDE].astype(np.float32)
             draw(figure, label(family, member), x, y, number, line=_line(family, member))
         figure.update_yaxes(title=f"{name} [{unit}]", panel=number)
@@ -45,9 +45,9 @@ def curves(family: Family) -> Figure:
 
 
 def drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:
-    """Yield the members to draw: all that run, or `MOST_LINES` of them, evenly chosen."""
+    """Yield the members to draw: all that run, or `MAX_LINES` of them, evenly chosen."""
     able = [(member, member.cycle) for member in family.members if member.cycle is not None]
-    for number in np.unique(np.linspace(0, len(able) - 1, MOST_LINES).round().astype(int)) if able else ():
+    for number in np.unique(np.linspace(0, len(able) - 1, MAX_LINES).round().astype(int)) if able else ():
         yield able[number]
 
 
@@ -68,12 +68,12 @@ def over_number(family: Family) -> Figure:
     named = family_units(family)
     figure = grid([capital(kind) for kind in kinds], 2)
     for panel, kind in enumerate(kinds, start=1):
-        of = [numbers[kind] for _, numbers in known if kind in numbers]
-        factor, unit = named[of[0].unit]
+        found = [numbers[kind] for _, numbers in known if kind in numbers]
+        factor, unit = named[found[0].unit]
         for number, rest in enumerate(dict.fromkeys(values[1:] for values, _ in known)):
-            own = [(values[0], numbers) for values, numbers in known if values[1:] == rest]
-            y = [factor * numbers[kind].value if kind in numbers else np.nan for _, numbers in own]
-            x, line = np.array([value for value, _ in own]), {"color": colour(number)}
+            members = [(values[0], numbers) for values, numbers in known if values[1:] == rest]
+            y = [factor * numbers[kind].value if kind in numbers else np.nan for _, numbers in members]
+            x, line = np.array([value for value, _ in members]), {"color": colour(number)}
             alike = ", ".join(f"{name} = {value:.6g}" for name, value in zip(others, rest, strict=True)) or "members"
             draw(figure, alike, x, np.array(y), panel, mode="lines+markers", line=line)
         figure.update_yaxes(title=f"[{unit}]", panel=panel)
@@ -93,10 +93,10 @@ def histograms(study: MonteCarlo) -> Figure:
         steps = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
         draw(figure, "machines", *steps, number, line={"color": colour(0)}, fill="tozeroy")
         if s.linear > 0:
-            off = np.linspace(-SPAN, SPAN, 121)
-            normal = np.exp(-(off**2) / 2) / (sqrt(2 * pi) * s.linear * factor)
-            at = factor * (s.nominal + off * s.linear)
-            draw(figure, "linear model, if normal", at, normal, number, line={"color": colour(1), "dash": "dash"})
+            deviations = np.linspace(-SPAN, SPAN, 121)
+            normal = np.exp(-(deviations**2) / 2) / (sqrt(2 * pi) * s.linear * factor)
+            numbers = factor * (s.nominal + deviations * s.linear)
+            draw(figure, "linear model, if normal", numbers, normal, number, line={"color": colour(1), "dash": "dash"})
         high, line = [0.0, float(density.max())], {"color": DARK_GREY, "dash": "dot"}
         draw(figure, "as drawn", [factor * s.nominal] * 2, high, number, line=line)
         figure.update_xaxes(title=f"[{unit}]", nticks=4, panel=number)

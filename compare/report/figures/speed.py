@@ -28,8 +28,8 @@ def work_precision(study: Study) -> Figure:
     figure, rms = _panels(study, names)
     error_axes(figure, f"ms per {cycle_name(study.scene)}").update_xaxes(dtick=1).update_yaxes(dtick=2)
     choices = []  # buttons that put a figure's numbers into the traces of the one that is shown
-    for label, of in (("largest error", figure), ("RMS error", rms)):
-        numbers = {axis: [[*trace[axis]] for trace in of.traces] for axis in "xy"}
+    for label, drawn in (("largest error", figure), ("RMS error", rms)):
+        numbers = {axis: [[*trace[axis]] for trace in drawn.traces] for axis in "xy"}
         choices.append({"label": label, "method": "restyle", "args": [numbers]})
     menu = {"type": "buttons", "buttons": choices}
     arranged = layout(150 + 390 * -(-len(names) // COLUMNS), titled=True)
@@ -57,12 +57,14 @@ def _panels(study: Study, names: Sequence[str]) -> Iterator[Figure]:
                 line = {"color": shade, "width": 7, "shape": "hv"}
                 draw(figure, name, *_front(rows, error), panel, line=line, opacity=0.35, hoverinfo="skip")
             for engine, number in engines.items():  # with gaps between the lines
-                x, y = ([v for rows in lines[engine] for v in (*_values(rows, of), np.nan)] for of in ("", error))
+                x, y = (
+                    [v for rows in lines[engine] for v in (*_values(rows, column), np.nan)] for column in ("", error)
+                )
                 draw(figure, "", x, y, panel, line={"color": colour(number), "width": 0.8}, opacity=0.5)
             for engine, note, rows, hover in settings:
                 mark = marker(engines[engine], NOTED[notes.index(note) % len(NOTED)] if note else "", 9)
-                name, at = contender(engine, note), (_values(rows), _values(rows, error))
-                draw(figure, name, *at, panel, mode="markers", marker=mark, **hover)
+                name, place = contender(engine, note), (_values(rows), _values(rows, error))
+                draw(figure, name, *place, panel, mode="markers", marker=mark, **hover)
             failed = [row for row in speed if row.status != Status.ok.name and not isnan(row.error(error))]
             if failed:
                 style = _hover(study, failed) | {"marker": {"color": GREY, "symbol": "x", "size": 8}}

@@ -20,7 +20,7 @@ FOOT = 20 * PX  # for the scale of the forces
 CIRCLE = 12 * PX  # radius of the largest friction circle, at least; those of a press would be smaller than its pins
 LARGER = [n * 10**power for power in range(4) for n in (1, 2, 5)]  # circles are drawn so many times as large
 BARREL = 0.85  # of the least displacement of its rod: how long a cylinder is drawn
-SHARE = 0.2  # of the longer side: the longest arrow, but for peaks that few samples have
+MAX_ARROW = 0.2  # of the longer side, but for peaks that few samples have
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     if not scene.has_masses:
         return
     state = MotionVectors(scene, pose)
-    rubbing = {one.channel(scene) for one in scene.friction}
+    rubbing = {friction.channel(scene) for friction in scene.friction}
     for pin in scene.pins:
         components, moment = scene.channels.pins.get(pin.channel, ("", "")), f"{pin.channel}.friction_moment"
         if all(component in motion for component in components):
@@ -91,8 +91,10 @@ class Drawing:
         self.box = complex(shown.real.min(), shown.imag.min()), complex(shown.real.max(), shown.imag.max())
         across, margin = self.box[1] - self.box[0], WIDER if self.arrows else MARGIN
         self.per_metre = (SIZE - 2 * margin) / max(across.real, across.imag)
-        arms = {one: one.arm for one in scene.of_type(PinFriction).values() if self.arrows}
-        self.circles = [(one.at, self.per_metre * arm) for one, arm in arms.items()]  # of friction: the pin, the radius
+        arms = {friction: friction.arm for friction in scene.of_type(PinFriction).values() if self.arrows}
+        self.circles = [
+            (friction.at, self.per_metre * arm) for friction, arm in arms.items()
+        ]  # of friction: the pin, the radius
         largest = max((radius for _, radius in self.circles), default=0.0)
         self.larger = next((n for n in LARGER if n * largest >= CIRCLE), LARGER[-1]) if largest else 1
         foot, free = FOOT * (bool(self.scale_text) + bool(self.circles)), margin / self.per_metre
@@ -155,6 +157,6 @@ def _scale(peak: float, drawings: Sequence[Drawing], named: Units) -> tuple[floa
     (per_newton, newtons), (per_metre, metres) = named["N"], named["m"]
     power = 10.0 ** floor(log10(per_newton * peak))
     force = next(share * power for share in (5, 2, 1) if share * power <= per_newton * peak)
-    longest = SHARE * max(np.ptp(places.real), np.ptp(places.imag))
+    longest = MAX_ARROW * max(np.ptp(places.real), np.ptp(places.imag))
     length = float(f"{force / (per_newton * peak) * longest * per_metre:.2g}")
     return length / per_metre * per_newton / force, f"{force:g} {newtons} = {length:g} {metres}"

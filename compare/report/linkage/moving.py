@@ -26,11 +26,11 @@ from .drawing import Drawing, arrows
 from .svg import outlines, picture
 
 SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer, but for these
-NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples; in the page three bytes each
+MAX_NUMBERS = 100_000  # packed: all channels of all engines at all samples; in the page three bytes each
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
-ROUNDING = 1e-9  # of a channel's scale: what is less is none of its values
-SEEN = 0.1  # of the picture: how large the largest difference is then, at most
+ROUND_OFF_TOL = 1e-9  # of a channel's scale: what is less is none of its values
+MAX_MAGNIFIED = 0.1  # of the picture: how large the largest difference is then
 
 
 class MovingPicture:
@@ -82,7 +82,7 @@ class MovingPicture:
     def rows(self) -> NDArray[np.intp]:
         """Which samples are packed: all, or some, with the extremes of every channel as far as there is room."""
         reference, *others = self._tables
-        count, most = reference.shape[1], max(NUMBERS // sum(map(len, self._tables)), LEAST)
+        count, most = reference.shape[1], max(MAX_NUMBERS // sum(map(len, self._tables)), LEAST)
         if count <= min(SAMPLES, most):
             return np.arange(count)
         evenly = np.linspace(0, count - 1, min(SAMPLES, most) // 2).round().astype(np.intp)
@@ -92,13 +92,13 @@ class MovingPicture:
     @cached_property
     def _tables(self) -> list[NDArray[np.float64]]:
         """The reference's channels; then by engine what those compared are off them, and the errors of the panels."""
-        own = self._samples(self.study.motion)
-        tables = [np.array([own[channel] for channel in self._channels])]
+        reference = self._samples(self.study.motion)
+        tables = [np.array([reference[channel] for channel in self._channels])]
         for comparison, motion in self.engines.values():
-            samples, none = self._samples(motion), np.full(len(own["time"]), np.nan)
-            off = [samples[channel] - own[channel] for channel in self._compared]
+            samples, none = self._samples(motion), np.full(len(reference["time"]), np.nan)
+            deviations = [samples[channel] - reference[channel] for channel in self._compared]
             errors = [error(self.study, panel, comparison) if comparison else none for panel in self.panels]
-            tables.append(np.array([*off, *errors]))
+            tables.append(np.array([*deviations, *errors]))
         return tables
 
     def _samples(self, motion: Motion) -> dict[str, Samples]:
@@ -111,15 +111,15 @@ class MovingPicture:
 
     def _header(self) -> dict[str, Any]:
         scene, drawing = self.study.scene, self.drawing
-        over, named = axis(scene), units(self.study.reference)
+        along, named = axis(scene), units(self.study.reference)
         colours = {BEFORE: GREY} | {m.run.engine: colour(number) for number, m in enumerate(self.study.measurements)}
         kept = ("name", "point", "load", "components", "on", "way", "moment")
-        zero = {channel: ROUNDING * size for channel, size in self.study.reference.scale.items()}  # what is round-off
+        zero = {channel: ROUND_OFF_TOL * size for channel, size in self.study.reference.scale.items()}
         efforts = ((channel, *named[scene.channels[channel].unit]) for channel in self._effort)
         effort = ({"channel": c, "factor": k, "unit": unit, "zero": k * zero[c]} for c, k, unit in efforts)
         return {
             "title": scene.title,
-            "axis": asdict(over) | {"title": over.title},
+            "axis": asdict(along) | {"title": along.title},
             "count": len(self.rows),
             "channels": self._channels,
             "compared": len(self._compared),
@@ -162,9 +162,11 @@ class MovingPicture:
         for name, (comparison, motion) in self.engines.items():
             if comparison is None:
                 continue
-            off = [np.abs(motion[at] - self.study.motion[at]).max() for at in self._places if at in motion]
-            fitting = STEPS[np.max(off, initial=0.0) * STEPS <= SEEN * size]
-            if np.max(off, initial=0.0) > 0 and len(fitting):
+            deviations = [
+                np.abs(motion[place] - self.study.motion[place]).max() for place in self._places if place in motion
+            ]
+            fitting = STEPS[np.max(deviations, initial=0.0) * STEPS <= MAX_MAGNIFIED * size]
+            if np.max(deviations, initial=0.0) > 0 and len(fitting):
                 by_step.setdefault(float(fitting[-1]), []).append(name)
         yield 1.0, ""
         yield from ((times, " and ".join(names)) for times, names in sorted(by_step.items()))

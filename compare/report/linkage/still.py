@@ -13,13 +13,13 @@ from scenes.model.enclosures import MotionRange
 from .drawing import MARGIN, PX, SIZE, Drawing
 from .svg import TO_NAME, empty, line, picture, stands_alone
 
-ROWS = 120  # of a motion, for the paths of a small picture
+MAX_ROWS = 120  # of a motion, for the paths of a small picture
 SMALL = 1.7  # times as large signs are in a small picture
 
 
 def small(scene: Scene, motion: Motion) -> str:
     """A motion's first pose and its paths, without names and forces, for a list of linkages: an SVG."""
-    stride = ceil(len(motion["time"]) / ROWS)
+    stride = ceil(len(motion["time"]) / MAX_ROWS)
     rows = (scene.channels[name] for name in motion.samples)
     some = {row.name: motion[row.name][::stride] for row in rows if row.role is Role.kinematic and row.order == 0}
     pose = Motion(some | {c: motion[c][::stride] for c in ("time", scene.drive_channel)})
@@ -47,19 +47,19 @@ def sketched(scene: Scene, joint: str = "") -> str:
     low, high = complex(drawn.real.min(), drawn.imag.min()), complex(drawn.real.max(), drawn.imag.max())
     scale = (SIZE - 2 * MARGIN) / (max((high - low).real, (high - low).imag) or 1.0)
     margin = MARGIN * (1 + 1j)
-    at = dict(zip(scene.drawn, scale * (drawn - complex(low.real, high.imag)).conj() + margin, strict=True))
+    places = dict(zip(scene.drawn, scale * (drawn - complex(low.real, high.imag)).conj() + margin, strict=True))
     size = scale * (high - low) + 2 * margin
     root = empty(f"{scene.title}: the sketch", (size.real, size.imag))
     for body in scene.bodies.values():
-        corners = [at[point] for point in body.points if point in at]
+        corners = [places[point] for point in body.points if point in places]
         line(root, "sketch", np.array(corners + (corners[:1] if len(corners) > 2 else [])))  # to and fro is not dashed
-    for point, place in at.items():
+    for point, place in places.items():
         group = SubElement(root, "g", {"transform": f"translate({place.real:.1f} {place.imag:.1f})"})
         SubElement(group, "circle", {"class": "sign pin", "r": "5"})
         name = SubElement(group, "text", {"class": "sign name", "x": f"{TO_NAME / 2:g}", "y": f"{-TO_NAME / 2:g}"})
         name.text = point
-    if joint in at:
-        _mark(root, at[joint])
+    if joint in places:
+        _mark(root, places[joint])
     return stands_alone(root, (size.real, size.imag))
 
 

@@ -25,9 +25,9 @@ from ...mechanics.motion_vectors import Vectors
 from ..figures.figure import extremes
 from .drawing import PX, Arrow, Drawing, foot
 
-FRAMES = 72  # poses of a picture that moves by itself, at most
+MAX_FRAMES = 72  # poses of a picture that moves by itself
 PLAY = 5.0  # s that it takes
-PATH = 300  # points of a path, at most
+MAX_PATH_POINTS = 300  # points of a path, at most
 GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
 HEAD = 11  # px, of an arrow
 ACTION = 70  # px to each side, of the line on which the force of a pin with friction acts
@@ -60,11 +60,13 @@ def by_itself(drawing: Drawing, frames: int) -> str:
     """A drawing that moves by itself through so many poses, or stands where there are none: an SVG without a script."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int).tolist()
     root, movers = picture(drawing)
-    style, own = list[str](), crc32(tostring(root))  # names of its own on a page
+    style, prefix = list[str](), crc32(tostring(root))  # names of its own on a page
     for number, mover in enumerate(movers if frames else []):
-        name, shares = f"m{own:x}-{number}", np.linspace(0, 100, len(rows))
+        name, shares = f"m{prefix:x}-{number}", np.linspace(0, 100, len(rows))
         mover.element.set("style", f"animation: {name} {PLAY:g}s linear infinite")
-        poses = [f"{at:.4g}%{{transform:{mover.transform(n, css=True)}}}" for at, n in zip(shares, rows, strict=True)]
+        poses = [
+            f"{share:.4g}%{{transform:{mover.transform(n, css=True)}}}" for share, n in zip(shares, rows, strict=True)
+        ]
         style.append(f"@keyframes {name} {{ {' '.join(poses)} }}")
     return stands_alone(root, drawing.size, style)
 
@@ -123,7 +125,7 @@ def background(root: Element, drawing: Drawing) -> None:
     scene = drawing.scene
     for point in scene.moving_points:
         path = drawing.units(drawing.places[point])
-        line(root, "path", path[extremes(path.real, path.imag, PATH)])
+        line(root, "path", path[extremes(path.real, path.imag, MAX_PATH_POINTS)])
     for name, slide in scene.slides.items():
         if slide.on == GROUND:
             _guide(root, drawing.units(drawing.way(name)), _direction(slide), scene.bodies[name].points[0])
@@ -145,8 +147,8 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
         kind = "body driven" if body.name in scene.driven else "body"
         group = SubElement(root, "g", {"class": kind, "data-point": body.points[0], "data-turn": body.name})
         SubElement(group, "title").text = body.name
-        own = drawing.own(body)
-        outline = np.array([own[point] for point in _around(drawing, body)])
+        places = drawing.own(body)
+        outline = np.array([places[point] for point in _around(drawing, body)])
         for slider, slide in scene.slides.items():
             if slide.on == body.name:
                 ends = drawing.per_metre * (drawing.way(slider) - first_point(body)).conj()
@@ -215,8 +217,8 @@ def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
         _path(group, "sign pin", "M-5 0A5 5 0 0 0 5 0A5 5 0 0 0 -5 0Z")
         side = _free(drawing, point, around)
         anchor = "middle" if abs(side.real) < 0.5 else "start" if side.real > 0 else "end"
-        at = {"x": f"{TO_NAME * side.real * 0.8:.1f}", "y": f"{5 + TO_NAME * side.imag:.1f}", "text-anchor": anchor}
-        SubElement(group, "text", {"class": "sign name"} | at).text = point
+        place = {"x": f"{TO_NAME * side.real * 0.8:.1f}", "y": f"{5 + TO_NAME * side.imag:.1f}", "text-anchor": anchor}
+        SubElement(group, "text", {"class": "sign name"} | place).text = point
         yield Mover(group, drawing.units(drawing.places[point]))
 
 
@@ -249,28 +251,28 @@ def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
 
 def _around(drawing: Drawing, body: Body) -> tuple[str, ...]:
     """The points around a body, back to the first of more than two; many in the order around their middle."""
-    own = drawing.own(body)
-    if len(own) < 3:
+    places = drawing.own(body)
+    if len(places) < 3:
         return body.points
-    middle = sum(own.values()) / len(own)
-    first = own[body.points[0]] - middle or 1.0
-    order = sorted(own, key=lambda point: float(np.angle((own[point] - middle) / first) % (2 * np.pi)))
+    middle = sum(places.values()) / len(places)
+    first = places[body.points[0]] - middle or 1.0
+    order = sorted(places, key=lambda point: float(np.angle((places[point] - middle) / first) % (2 * np.pi)))
     return (*order, order[0])
 
 
 def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> complex:
     """The direction from a point, x to the right and i times y downwards, that all else leaves free the longest."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, 24).astype(int)
-    at = {name: drawing.units(places[rows]) for name, places in drawing.places.items()}
-    names = at[point] + 1.2 * TO_NAME * PX * DIRECTIONS[:, np.newaxis]
-    gaps = [np.abs(names - other) for name, other in at.items() if name != point]
+    drawn = {name: drawing.units(places[rows]) for name, places in drawing.places.items()}
+    names = drawn[point] + 1.2 * TO_NAME * PX * DIRECTIONS[:, np.newaxis]
+    gaps = [np.abs(names - other) for name, other in drawn.items() if name != point]
     for outline in around:
-        gaps += [np.abs(names - foot(names, at[start], at[end])) for start, end in pairwise(outline)]
+        gaps += [np.abs(names - foot(names, drawn[start], drawn[end])) for start, end in pairwise(outline)]
     for force in drawing.arrows:
         way = (-1 if force.load else 1) * np.nan_to_num(drawing.drawn(force)[rows])
-        gaps.append(np.abs(names - foot(names, at[force.point], at[force.point] + way)))
+        gaps.append(np.abs(names - foot(names, drawn[force.point], drawn[force.point] + way)))
     if point in drawing.scene.ground:
-        gaps.append(np.abs(names - at[point] - 15j * PX))
+        gaps.append(np.abs(names - drawn[point] - 15j * PX))
     near = np.minimum(np.min(gaps, axis=0), TO_NAME * PX) if gaps else np.ones((len(DIRECTIONS), 1))
     side, wide = np.round(DIRECTIONS.real)[:, np.newaxis], LETTER * PX * len(point)
     left = names.real + (side - 1) / 2 * wide

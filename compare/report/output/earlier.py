@@ -26,11 +26,11 @@ from scenes.model.motion import Samples
 
 from ...mechanics.axis import axis, turns_fully
 
-MOTION_BYTES = 2**28  # of a motion's file, at most
+MAX_MOTION_BYTES = 2**28  # of a motion's file
 MAX_BYTES = 2**24  # of a summary.json: one of a hundred bodies has a few megabytes
 MAX_TABLES = 500_000  # lists and tables in it, each of which takes more memory than its text
 MAX_ENTRIES = 10_000  # of a table of engines, versions, units, or a list of changes
-WHOLE = 1e-9  # of a turn: what a whole one may lack
+WHOLE_TURN_TOL = 1e-9  # of a turn: what a whole one may lack
 
 OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
 Json: TypeAlias = dict[str, Any]
@@ -141,7 +141,7 @@ def before(summary: Summary, path: Path, scene: Scene) -> Before:
     samples, ground = dict[str, Samples](), dict[str, tuple[float, float]]()
     with suppress(InputError, OSError, ValueError, KeyError, TypeError, AttributeError):
         ground = {str(point): (float(x), float(y)) for point, (x, y) in summary.scene["ground"].items()}
-        names, *rows = read_text(_file(path, scene).with_name("motion.analytic.csv"), MOTION_BYTES).splitlines()
+        names, *rows = read_text(_file(path, scene).with_name("motion.analytic.csv"), MAX_MOTION_BYTES).splitlines()
         values = np.array([row.split(",") for row in rows], np.float64).T
         samples = dict(zip((name.partition(" [")[0] for name in names.split(",")), values, strict=True))
     return Before(summary.peaks, ground, Motion(samples))
@@ -152,18 +152,18 @@ def at_positions(scene: Scene, motion: Motion, later: Motion) -> Motion:
 
     One of whole turns goes on as it began, but for angles, which a turn takes further.
     """
-    over = axis(scene).channel
-    if over not in motion:
+    along = axis(scene).channel
+    if along not in motion:
         return Motion({})
-    order, wanted = np.argsort(motion[over]), later[over]
-    x = motion[over][order]
-    turn = tau if turns_fully(scene) and np.ptp(x) > tau * (1 - WHOLE) else None
-    at = {"time": later["time"]}
+    order, wanted = np.argsort(motion[along]), later[along]
+    x = motion[along][order]
+    turn = tau if turns_fully(scene) and np.ptp(x) > tau * (1 - WHOLE_TURN_TOL) else None
+    interpolated = {"time": later["time"]}
     for channel in motion.samples.keys() - {"time"}:
         values = motion[channel][order]
         slope = (values[-1] - values[0]) / (np.ptp(x) or 1.0)
-        at[channel] = np.interp(wanted, x, values - slope * x, np.nan, np.nan, turn) + slope * wanted
-    return Motion(at)
+        interpolated[channel] = np.interp(wanted, x, values - slope * x, np.nan, np.nan, turn) + slope * wanted
+    return Motion(interpolated)
 
 
 def _file(path: Path, scene: Scene) -> Path:

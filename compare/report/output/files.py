@@ -135,24 +135,33 @@ def write_assemblies(scene: Scene, every: Assemblies, folder: Path) -> Path:
 
 @contextmanager
 def _result(
-    scene: Scene, folder: Path, own: Sequence[str], known: Mapping[str, Any], page: Callable[[], str], *, complete: bool
+    scene: Scene,
+    folder: Path,
+    patterns: Sequence[str],
+    known: Mapping[str, Any],
+    page: Callable[[], str],
+    *,
+    complete: bool,
 ) -> Iterator[tuple[Path, Path]]:
-    """Yield a folder for a result's tables, and its place; then it gets page and summary, which `own` begins with."""
+    """Yield a folder for a result's tables, and its place; then it gets page and summary, the first `patterns`."""
     place, unfinished = folder / scene.name, folder / f"{scene.name}{PARTIAL}"
-    if not complete and _may_be_complete(place, own):
+    if not complete and _may_be_complete(place, patterns):
         place = unfinished
-    with placed(folder, place.name, own) as aside:
+    with placed(folder, place.name, patterns) as aside:
         yield aside, place
         head = {"complete": complete, "made_from": origin(scene, place), **known}
-        (aside / own[1]).write_text(json_text(head), encoding="utf-8", errors=ESCAPED)
-        (aside / own[0]).write_text(page(), encoding="utf-8", errors=ESCAPED)
+        (aside / patterns[1]).write_text(json_text(head), encoding="utf-8", errors=ESCAPED)
+        (aside / patterns[0]).write_text(page(), encoding="utf-8", errors=ESCAPED)
     if complete:
-        remove(unfinished, own)
+        remove(unfinished, patterns)
 
 
-def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
+def _may_be_complete(place: Path, patterns: Sequence[str]) -> bool:
     """Whether a folder has a result that is not known to be partial."""
-    return any(any(place.glob(pattern)) for pattern in own) and _written(place / own[1]).get("complete") is not False
+    return (
+        any(any(place.glob(pattern)) for pattern in patterns)
+        and _written(place / patterns[1]).get("complete") is not False
+    )
 
 
 def _written(summary: Path) -> dict[str, Any]:
@@ -174,12 +183,12 @@ def origin(scene: Scene, place: Path) -> str:
 
 def check_origin(scene: Scene, place: Path) -> None:
     """Raise an InputError where a folder has the result of another scene file that is still there."""
-    own = shipped().get(scene.file, Path(scene.file)).resolve()
+    origin = shipped().get(scene.file, Path(scene.file)).resolve()
     for _, summary, *_ in (REPORT, FAMILY, MONTE_CARLO):
         with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):  # of an unknown origin
             file = _written(place / summary)["made_from"]
             other = shipped().get(file, place.resolve() / file).resolve()
-            if other != own and other.is_file():
+            if other != origin and other.is_file():
                 too = f"is that of {file if file in shipped() else other} too, whose result is in {place}"
                 raise InputError(f"{scene.file}: name: '{scene.name}' {too}; expected another name, or another --out")
 

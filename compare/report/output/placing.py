@@ -24,15 +24,15 @@ ESCAPED = "backslashreplace"  # of files: what UTF-8 lacks of a name that did no
 AT_FOLDER, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
 
 
-def check_writable(folder: Path, names: Iterable[str], own: Sequence[str]) -> None:
-    """Look for what is in the way of results, whose files `own` matches, before they are computed; nothing is created.
+def check_writable(folder: Path, names: Iterable[str], patterns: Sequence[str]) -> None:
+    """Look for what is in the way of results, whose files match `patterns`, before they are computed; create nothing.
 
     Raises:
         InputError: one of the results is sure not to be written.
     """
     for name in names:
         try:
-            trouble = _in_the_way(folder / name, own)
+            trouble = _in_the_way(folder / name, patterns)
         except FileNotFoundError:
             trouble = "the working folder is gone"
         except OSError as error:
@@ -41,7 +41,7 @@ def check_writable(folder: Path, names: Iterable[str], own: Sequence[str]) -> No
             raise InputError(f"--out {folder}: expected a folder that can be written, and {trouble}")
 
 
-def _in_the_way(place: Path, own: Sequence[str]) -> str:
+def _in_the_way(place: Path, patterns: Sequence[str]) -> str:
     """What keeps a result from its place, or nothing."""
     existing = next(path for path in (place.absolute(), *place.absolute().parents) if os.path.lexists(path))
     if not os.path.exists(existing):  # noqa: PTH110 - a loop of links is no error to it
@@ -58,19 +58,19 @@ def _in_the_way(place: Path, own: Sequence[str]) -> str:
     for needed in {existing, place.parent} if place.exists() else {existing}:
         if not os.access(needed, os.R_OK | os.W_OK | os.X_OK):
             return f"{needed} cannot"
-    folders = (path for path in place.iterdir() if _is_own(path, own) and path.is_dir()) if place.exists() else ()
+    folders = (path for path in place.iterdir() if _is_own(path, patterns) and path.is_dir()) if place.exists() else ()
     return next((f"{path} is a folder" for path in folders), "")
 
 
-def _is_own(path: Path, own: Sequence[str]) -> bool:
-    return any(fnmatchcase(path.name, pattern) for pattern in own)
+def _is_own(path: Path, patterns: Sequence[str]) -> bool:
+    return any(fnmatchcase(path.name, pattern) for pattern in patterns)
 
 
 @contextmanager
-def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
+def placed(folder: Path, name: str, patterns: Sequence[str]) -> Iterator[Path]:
     """Yield an empty folder for a result, which then takes the place of `folder/<name>/` in one step.
 
-    What that holds beside the files that `own` matches stays there. It is followed where it is a link.
+    What that holds beside the files that `patterns` matches stays there. It is followed where it is a link.
 
     Raises:
         InputError: the result cannot be written; the older one is then as it was.
@@ -89,7 +89,7 @@ def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
             yield aside
             with _locked(place.parent):
                 if place.exists():
-                    _carry_over(place, aside, own)
+                    _carry_over(place, aside, patterns)
                 _swap(aside, place)
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror or error})") from None
@@ -115,11 +115,11 @@ def replace_file(file: Path, text: Callable[[], str]) -> None:
             aside.unlink(missing_ok=True)
 
 
-def remove(folder: Path, own: Sequence[str]) -> None:
+def remove(folder: Path, patterns: Sequence[str]) -> None:
     """Remove the files of a result, and their folder if nothing else is there."""
     with suppress(OSError):
         for path in folder.iterdir():
-            if _is_own(path, own):
+            if _is_own(path, patterns):
                 path.unlink()
         folder.rmdir()
 
@@ -141,10 +141,10 @@ def _clean(place: Path) -> None:
                 shutil.rmtree(left, ignore_errors=True)
 
 
-def _carry_over(older: Path, new: Path, own: Sequence[str]) -> None:
+def _carry_over(older: Path, new: Path, patterns: Sequence[str]) -> None:
     """Give a new folder what else is in the older one, and its owner and mode."""
     for path in older.iterdir():
-        if _is_own(path, own):
+        if _is_own(path, patterns):
             continue
         if path.is_dir() and not path.is_symlink():
             shutil.copytree(path, new / path.name, symlinks=True, copy_function=_linked)
@@ -155,11 +155,11 @@ def _carry_over(older: Path, new: Path, own: Sequence[str]) -> None:
         os.chown(new, older.stat().st_uid, older.stat().st_gid)
 
 
-def _linked(path: str | Path, to: str | Path) -> None:
+def _linked(path: str | Path, target: str | Path) -> None:
     try:
-        os.link(path, to, follow_symlinks=False)
+        os.link(path, target, follow_symlinks=False)
     except (OSError, NotImplementedError):
-        shutil.copy2(path, to, follow_symlinks=False)
+        shutil.copy2(path, target, follow_symlinks=False)
 
 
 def _swap(aside: Path, place: Path) -> None:
@@ -177,12 +177,12 @@ def _swap(aside: Path, place: Path) -> None:
         shutil.rmtree(older, ignore_errors=True)
 
 
-def _exchanged(one: Path, other: Path) -> bool:
+def _exchanged(first: Path, second: Path) -> bool:
     """Exchange two folders in one step, if the system can."""
     if sys.platform != "linux":
         return False
     rename = getattr(ctypes.CDLL(None), "renameat2", None)
-    paths = AT_FOLDER, os.fsencode(one), AT_FOLDER, os.fsencode(other)
+    paths = AT_FOLDER, os.fsencode(first), AT_FOLDER, os.fsencode(second)
     return rename is not None and not rename(*paths, ctypes.c_uint(EXCHANGE))
 
 

@@ -20,15 +20,15 @@ from ...engines.kept import environment
 from ...judge.agreement import Word
 from ...mechanics.axis import grouped
 from ...mechanics.quantities import spelled
-from ..figures.figure import CURVE
+from ..figures.figure import MAX_POINTS
 from ..numbers import percent, short
 
 HERE, *OTHERS = (f"compare.report.{room}" for room in ("pages", "linkage", "bench", "figures"))  # that have templates
-ROWS = 200  # of a table or a list, at most
+MAX_ROWS = 200  # of a table or a list
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
 
 
-def render(name: str, package: str = HERE, *, most: int = CURVE, **values: Any) -> str:
+def render(name: str, package: str = HERE, *, most: int = MAX_POINTS, **values: Any) -> str:
     """A page from the template of a package, with at most so many points a curve of its figures."""
     return _templates(package).get_template(name).render(values, contents=[], figures=[], most=most)
 
@@ -98,11 +98,11 @@ def shortened(
     """
     rows, left_out = [*table], ""
     columns = dict.fromkeys(column for row in rows for column in row)
-    if len(rows) > ROWS:
-        which = f"with the largest {worst}" if worst else "that come first"
-        left_out = f"The {ROWS} rows {which}, of {grouped(len(rows))}; all are in {whole}."
+    if len(rows) > MAX_ROWS:
+        chosen = f"with the largest {worst}" if worst else "that come first"
+        left_out = f"The {MAX_ROWS} rows {chosen}, of {grouped(len(rows))}; all are in {whole}."
         size = np.array([row[worst] if worst else 0 for row in rows], float)
-        rows = [rows[n] for n in np.argsort(-np.where(np.isnan(size), np.inf, size), kind="stable")[:ROWS]]
+        rows = [rows[n] for n in np.argsort(-np.where(np.isnan(size), np.inf, size), kind="stable")[:MAX_ROWS]]
     return (
         [_header(str(column)) for column in columns],
         [[row.get(column) for column in columns] for row in rows],
@@ -118,5 +118,9 @@ def _header(column: str) -> str:
 def first(sentences: Iterable[str]) -> list[str]:
     """Sentences for a list; of very many the first."""
     written = [*sentences]
-    more = [f"And {grouped(len(written) - ROWS)} more, in the files beside this page."] if len(written) > ROWS else []
-    return written[:ROWS] + more
+    more = (
+        [f"And {grouped(len(written) - MAX_ROWS)} more, in the files beside this page."]
+        if len(written) > MAX_ROWS
+        else []
+    )
+    return written[:MAX_ROWS] + more

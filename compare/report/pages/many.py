@@ -10,7 +10,7 @@ from ...engines import registry
 from ...measure.many.family import Family
 from ...measure.many.study import MonteCarlo
 from ...mechanics.axis import axis
-from ..figures.many import MOST_LINES, curves, drawn, histograms, over_number, variance_shares
+from ..figures.many import MAX_LINES, curves, drawn, histograms, over_number, variance_shares
 from ..linkage.drawing import Drawing
 from ..linkage.svg import by_itself
 from ..numbers import units
@@ -35,7 +35,7 @@ def family_page(family: Family) -> str:
         shown=[*_shown(family)],
         able=able,
         slides=any("displacement" in cycle.curves for cycle in able),
-        most_lines=MOST_LINES,
+        most_lines=MAX_LINES,
         curves=curves(family) if able else None,
         over_number=over_number(family) if able else None,
     )
@@ -58,8 +58,8 @@ def monte_carlo_page(study: MonteCarlo) -> str:
 
 def assemblies_page(scene: Scene, every: Assemblies) -> str:
     """The whole page on all assemblies as HTML; all pictures are at one scale."""
-    alone = [Drawing(scene, one.motion) for one in every.found]
-    pictures = [by_itself(Drawing(scene, own.motion, alone), 0) for own in alone]
+    alone = [Drawing(scene, assembly.motion) for assembly in every.found]
+    pictures = [by_itself(Drawing(scene, drawing.motion, alone), 0) for drawing in alone]
     return render("assemblies.html", scene=scene, every=every, proof=proof, pictures=pictures)
 
 
@@ -68,15 +68,15 @@ def _shown(family: Family) -> Iterator[dict[str, Any]]:
     chosen = [(member, member.judgement) for member, _ in drawn(family) if member.judgement is not None]
     named = family_tables.shown_units(family)
     alone = [Drawing(judged.scene, registry.motion(judged.scene, DRAWN), named=named) for _, judged in chosen]
-    for (member, judged), own in zip(chosen, alone, strict=True):
-        over = own.motion[axis(own.scene).channel]
+    for (member, judged), drawing in zip(chosen, alone, strict=True):
+        along = drawing.motion[axis(drawing.scene).channel]
         yield {
             "label": family_tables.label(family, member),
             "row": next(row for row, other in enumerate(family.members) if other is member),  # of the table
             "agreement": judged.agreement,
-            "svg": by_itself(Drawing(own.scene, own.motion, alone, named), FRAMES),
-            "ends": (float(over[0]), float(over[-1])),  # of the motion on the axis, SI
-            "answers": answers(own.scene, judged.peaks, named),
+            "svg": by_itself(Drawing(drawing.scene, drawing.motion, alone, named), FRAMES),
+            "ends": (float(along[0]), float(along[-1])),  # of the motion on the axis, SI
+            "answers": answers(drawing.scene, judged.peaks, named),
         }
 
 

@@ -12,7 +12,7 @@ from scenes.model.enclosures import MotionRange
 from ...judge.agreement import Agreement, Word
 from ...judge.floor import UnsolvedError
 from ...measure.speed.share import SAMPLING
-from ...measure.speed.work_precision import ALIKE, TIE
+from ...measure.speed.work_precision import CHOICE_TOL, TIE_TOL
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
 from ..bench.bench import Bench
@@ -64,8 +64,8 @@ def page(study: Study, before: Before | None = None) -> str:
         left_out=[channel for panel in left_out for channel in panel.judged],
         picture=work_precision(study) if study.speed else None,
         speed_samples=SAMPLING.samples,
-        near=f"{100 * ALIKE:.0f} %",
-        tie=f"{100 * TIE:.0f} %",
+        near=f"{100 * CHOICE_TOL:.0f} %",
+        tie=f"{100 * TIE_TOL:.0f} %",
         **in_full(study),
     )
 
@@ -106,10 +106,10 @@ def described(title: str, figure: Figure) -> str:
         if trace["name"] and trace["name"] not in (FLOOR, ROUND_OFF) and len(trace["x"]):
             panels.setdefault(trace["yaxis"], []).append(trace)
     axes = {name: part["title"]["text"] for name, part in figure.layout.items() if "axis" in name and "title" in part}
-    over = [title for name, title in axes.items() if name.startswith("x")]
+    along = [title for name, title in axes.items() if name.startswith("x")]
     notes = [note["text"] for note in figure.layout.get("annotations", ())]
     names = notes or [axes[f"yaxis{panel.removeprefix('y')}"] for panel in panels]
-    sentences = [f"{title}, over {over[-1]}"] if over else [title]
+    sentences = [f"{title}, over {along[-1]}"] if along else [title]
     for name, traces in zip(names, panels.values(), strict=False):
         lines = [trace for trace in traces if trace["mode"] == "lines"]  # markers lie on them
         sentences.append(f"{name}: {_extremes(lines or traces)}")

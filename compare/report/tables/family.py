@@ -82,14 +82,14 @@ def _column(kind: str, members: Sequence[dict[str, Peak]], named: Units) -> tupl
     """The header of a column of numbers, and a function that writes one: all in one unit, as finely; zero as `0`."""
     scaled_by = STROKE if kind == CLOSED else kind
     largest = max((abs(numbers[scaled_by].value) for numbers in members if scaled_by in numbers), default=0.0) or 1.0
-    one = next(numbers[kind] for numbers in members if kind in numbers)
-    factor, unit = named.get(one.unit) or prefixed(largest, one.unit)
-    decimals, joint = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9), _at_a_joint(one)
+    first = next(numbers[kind] for numbers in members if kind in numbers)
+    factor, unit = named.get(first.unit) or prefixed(largest, first.unit)
+    decimals, joint = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9), _at_a_joint(first)
 
     def text(peak: Peak) -> str:
         return f"{fixed(peak.value * factor, decimals)} {peak.of if joint else ''}".strip()
 
-    return _header(one, unit), text
+    return _header(first, unit), text
 
 
 def _header(peak: Peak, unit: str) -> str:
@@ -142,15 +142,15 @@ def agreement(family: Family) -> Agreement:
         return Agreement(Word.not_solved, _ran(family))
     name, worst = max(judged, key=lambda member: WORST_LAST.index(member[1].word))
     if worst.word is Word.agrees:
-        solved = [m for of in family.members for m in of.measurements if m.run.status is Status.ok]
+        solved = [m for member in family.members for m in member.measurements if m.run.status is Status.ok]
         size, engine = max(((m.largest, m.run.engine) for m in solved if m.run.engine != REFERENCE), key=itemgetter(0))
-        to = f"with the reference to {within(size)}; {engine} is the farthest"
+        closeness = f"with the reference to {within(size)}; {engine} is the farthest"
         word = Word.agrees if len(judged) == len(family.members) else Word.in_part
-        return Agreement(word, f"{_ran(family)} On all that run the engines agree {to}.")
-    alike = [own.word for _, own in judged].count(worst.word)
+        return Agreement(word, f"{_ran(family)} On all that run the engines agree {closeness}.")
+    alike = [found.word for _, found in judged].count(worst.word)
     word = Word.in_part if worst.word is Word.not_solved and alike < len(judged) else worst.word
-    which = f"Of the {len(judged)} that run {alike}: {worst.word}; the first is {name}" if len(judged) > 1 else name
-    return Agreement(word, f"{_ran(family)} {which}: {worst.sentence}")
+    counted = f"Of the {len(judged)} that run {alike}: {worst.word}; the first is {name}" if len(judged) > 1 else name
+    return Agreement(word, f"{_ran(family)} {counted}: {worst.sentence}")
 
 
 def failures(family: Family) -> list[str]:
@@ -161,5 +161,9 @@ def failures(family: Family) -> list[str]:
 def notes(family: Family) -> list[str]:
     """How far the reference may be off, which members cannot run, and which engines fail on which; and why."""
     sentences = [*floors(m.judgement.reference.floor for m in family.members if m.judgement), *failures(family)]
-    failed = [(of, m.run) for of in family.members for m in of.measurements if m.run.status is not Status.ok]
-    return sentences + [f"{label(family, of)}: {run.engine}: {run.status.name}: {run.reason}" for of, run in failed]
+    failed = [
+        (member, m.run) for member in family.members for m in member.measurements if m.run.status is not Status.ok
+    ]
+    return sentences + [
+        f"{label(family, member)}: {run.engine}: {run.status.name}: {run.reason}" for member, run in failed
+    ]

@@ -21,7 +21,7 @@ from ..output.earlier import SummaryPeak
 Number = TypeVar("Number", Peak, SummaryPeak)
 
 IN_MS: Units = {"s": (1e3, "ms")}  # of times that a clock took
-SAME = 1e-9  # relative: less is no change
+SAME_TOL = 1e-9  # relative: less is no change
 MEANINGS = {"quick return": "time to close over time to open"}  # where the name of a number leaves it open
 OF_A_PIN, OF_A_JOINT, OF_THE_DRIVE = ("fx",), ("fx", "guide_force", "guide_moment"), ("torque", "force")  # quantities
 
@@ -63,7 +63,7 @@ def answers(
 
     Each beside that of an earlier run, if there is one, the largest pin force beside the largest then, at whatever pin.
     """
-    over, (whole, at_joints) = axis(scene), parted(peaks)
+    along, (whole, at_joints) = axis(scene), parted(peaks)
     was = {(peak.name, peak.of): peak.value for peak in before}
     largest_was = next((old.value for old in parted(before)[0] if named(old.channel).name in OF_A_PIN), None)
 
@@ -76,7 +76,7 @@ def answers(
             value=peak.value,
             unit=peak.unit,
             of=peak.of if largest else "",
-            place=pose_button(over, scene.channels[peak.channel], peak.position),
+            place=pose_button(along, scene.channels[peak.channel], peak.position),
             direction="" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
             differ=percent(max(sizes)) if sizes else "–",
             each=", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
@@ -90,7 +90,7 @@ def _before(peak: Peak, was: float | None, units: Units) -> str:
     """What a number was, and its change in per cent."""
     if was is None:
         return ""
-    if abs(peak.value - was) <= SAME * abs(was):
+    if abs(peak.value - was) <= SAME_TOL * abs(was):
         return "same"
     change = f" ({100 * (peak.value / was - 1):+.3g}\u00a0%)".replace("-", "−") if was else ""
     return f"{written(was, peak.unit, units)}{change}"
@@ -99,7 +99,9 @@ def _before(peak: Peak, was: float | None, units: Units) -> str:
 def of_ok(study: Study) -> list[Peak]:
     """The designer's numbers, with by how much each engine that is ok differs: what a rejected one has is no doubt."""
     ok = {m.run.engine for m in study.measurements if m.run.status is Status.ok}
-    return [replace(p, differs={engine: by for engine, by in p.differs.items() if engine in ok}) for p in study.peaks]
+    return [
+        replace(p, differs={engine: size for engine, size in p.differs.items() if engine in ok}) for p in study.peaks
+    ]
 
 
 def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
@@ -108,15 +110,15 @@ def parted(peaks: Sequence[Number]) -> tuple[list[Number], list[Number]]:
     pins = [peak for peak in at_joints if named(peak.channel).name in OF_A_PIN]
     whole = [peak for peak in peaks if peak not in at_joints and peak.value != 0]  # a cycle without losses has no work
     drives = (row for row, peak in enumerate(whole) if named(peak.channel).name in OF_THE_DRIVE)
-    whole[(at := next(drives, len(whole))) : at] = sorted(pins, key=lambda peak: peak.value)[-1:]
+    whole[(row := next(drives, len(whole))) : row] = sorted(pins, key=lambda peak: peak.value)[-1:]
     return whole, at_joints
 
 
-def pose_button(over: DriveAxis, channel: Channel, position: float) -> PoseButton | None:
+def pose_button(along: DriveAxis, channel: Channel, position: float) -> PoseButton | None:
     """A place on the axis, given in SI: `171°`, `3.2 mm`; none where it is NaN."""
     if isnan(position):
         return None
-    return PoseButton(channel.name, channel.point, position, over.text(position))
+    return PoseButton(channel.name, channel.point, position, along.text(position))
 
 
 def engines(study: Study) -> Iterator[dict[str, object]]:

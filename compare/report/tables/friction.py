@@ -21,17 +21,19 @@ from ...study import Study
 from ..numbers import percent, short, units, written
 from . import TableRows
 
-LARGEST = 100.0  # times the coefficients: what does not jam there is not said to jam
+MAX_FACTOR = 100.0  # on the coefficients: what does not jam there is not said to jam
 HALVINGS = 13  # of their range, on a logarithmic scale: to three digits
 CYCLE = Sampling(360)
-NOTHING = 1e-9  # of a work in either sense: the net work of a load that gives back what it takes
-RANGES = 3  # of positions that are named, at most
+ZERO_WORK_TOL = 1e-9  # of a work in either sense: the net work of a load that gives back what it takes
+MAX_RANGES = 3  # of positions that are named
 
 
 def losses(scene: Scene, motion: Motion) -> dict[str, Samples]:
     """The power, W, that each joint's friction takes, by joint, each of shape (n,)."""
     state = MotionVectors(scene, motion)
-    return {one.joint(scene): -motion[one.channel(scene)] * rate(state, one) for one in scene.friction}
+    return {
+        friction.joint(scene): -motion[friction.channel(scene)] * rate(state, friction) for friction in scene.friction
+    }
 
 
 def by_joint(study: Study) -> TableRows:
@@ -53,8 +55,8 @@ def sentences(study: Study) -> Iterator[str]:
     channel = scene.effort_channel
     both = (float(np.abs(values).max()) for values in (cycle[channel], frictionless(scene, cycle)))
     largest, free = (written(value, scene.channels[channel].unit, named) for value in both)
-    what = f"the drive's largest {scene.channels[channel].quantity} is {largest}, without friction {free}"
-    yield f"At {grouped(len(cycle['time']))} positions {what}."
+    effort = f"the drive's largest {scene.channels[channel].quantity} is {largest}, without friction {free}"
+    yield f"At {grouped(len(cycle['time']))} positions {effort}."
     yield _jam(scene)
     if scene.steady:
         yield _locking(study)
@@ -74,8 +76,8 @@ def _efficiency(study: Study) -> Iterator[str]:
     pushes = (push for load in scene.loads for push in of_element(pressed, load))
     taken = -sum((power_of(pressed, push) for push in pushes), np.zeros_like(power))  # of all loads
     drive, net, lost = _work(cycle, power), _work(cycle, taken), -_work(cycle, cycle[POWER])
-    none = abs(net) <= NOTHING * _work(cycle, np.abs(taken))
-    if none and abs(drive - lost) <= NOTHING * _work(cycle, np.abs(power)):
+    none = abs(net) <= ZERO_WORK_TOL * _work(cycle, np.abs(taken))
+    if none and abs(drive - lost) <= ZERO_WORK_TOL * _work(cycle, np.abs(power)):
         yield f"The loads take no net work: all of the drive's work, {work(drive)}, is lost to friction."
     elif none or net < 0 or drive <= 0:
         gives = "take no net work" if none else f"{'give' if net < 0 else 'take'} {work(abs(net))}"
@@ -85,7 +87,7 @@ def _efficiency(study: Study) -> Iterator[str]:
         yield f"{reaches}; {work(lost)} are lost to friction."
     stroke = taken > 0
     if stroke.any() and (none or (taken < 0).any()):
-        load, given = (_work(cycle, np.where(stroke, of, 0.0)) for of in (taken, power))
+        load, given = (_work(cycle, np.where(stroke, values, 0.0)) for values in (taken, power))
         of_it = "the rest is from moving masses, weights and springs"
         if given > load:
             of_it = f"{percent(load / given)} of it reaches the loads"
@@ -104,7 +106,7 @@ def _work(motion: Motion, power: Samples) -> float:
 
 def _jam(scene: Scene) -> str:
     def jams(factor: float) -> bool:
-        scaled = (replace(one, coefficient=factor * one.coefficient) for one in scene.friction)
+        scaled = (replace(friction, coefficient=factor * friction.coefficient) for friction in scene.friction)
         harder = replace(scene, friction=tuple(scaled))
         try:
             registry.motion(harder, CYCLE, frozenset((scene.effort_channel,)))
@@ -112,9 +114,9 @@ def _jam(scene: Scene) -> str:
             return True
         return False
 
-    if not jams(LARGEST):
-        return f"It does not jam with {LARGEST:g} times its coefficients of friction."
-    factors = np.geomspace(1.0, LARGEST, 2**HALVINGS + 1)
+    if not jams(MAX_FACTOR):
+        return f"It does not jam with {MAX_FACTOR:g} times its coefficients of friction."
+    factors = np.geomspace(1.0, MAX_FACTOR, 2**HALVINGS + 1)
     most = factors[bisect_left(factors, True, 1, len(factors) - 1, key=jams) - 1]
     more = "with more it jams, or its forces are not determined"
     return f"It moves with up to {most:.3g} times its coefficients of friction; {more}."
@@ -128,9 +130,9 @@ def _locking(study: Study) -> str:
     if law.end is not None:
         backwards = replace(backwards, start=law.end, end=law.start)
 
-    def needs(of: Scene) -> Samples:
+    def needs(variant: Scene) -> Samples:
         """The drive's power on the way back through the same positions."""
-        back = of.with_law(backwards)
+        back = variant.with_law(backwards)
         there = registry.reference(back)(cycle[scene.drive_channel], cycle["time"])
         return drive_power(MotionVectors(back, there))
 
@@ -143,9 +145,9 @@ def _locking(study: Study) -> str:
     if not locked.any():
         return f"{would}; with it they do so too: it is nowhere self-locking."
     edges = np.flatnonzero(np.diff([False, *locked, False])).reshape(-1, 2)
-    over, at = axis(scene), cycle[axis(scene).channel]
-    longest = sorted(sorted(edges.tolist(), key=lambda edge: edge[0] - edge[1])[:RANGES])
-    ranges = [over.text(at[first], at[last - 1]) for first, last in longest]
-    more = " and others" if len(edges) > RANGES else ""
-    where = f"{over.quantity} {', '.join(ranges)}{more}"
+    along, places = axis(scene), cycle[axis(scene).channel]
+    longest = sorted(sorted(edges.tolist(), key=lambda edge: edge[0] - edge[1])[:MAX_RANGES])
+    ranges = [along.text(places[first], places[last - 1]) for first, last in longest]
+    more = " and others" if len(edges) > MAX_RANGES else ""
+    where = f"{along.quantity} {', '.join(ranges)}{more}"
     return f"{would}; at {percent(float(locked.mean()))} it is self-locking, friction holds them: {where}."

@@ -20,11 +20,14 @@ WRONG = (Outcome.silent, Outcome.false_alarm, Outcome.uncertified)
 def counts(cases: pd.DataFrame) -> TableRows:
     """One row an engine: how many attempts came out how, and by what the failures were noticed."""
     return [
-        {"engine": engine, "attempts": len(of)}
-        | {str(outcome): int((of["outcome"] == outcome).sum()) for outcome in (Outcome.right, Outcome.refused)}
-        | {f"by {by}": int(((of["outcome"] == Outcome.refused) & (of["found_by"] == by)).sum()) for by in FINDERS}
-        | {str(outcome): int((of["outcome"] == outcome).sum()) for outcome in WRONG}
-        for engine, of in cases.groupby("engine", sort=False)
+        {"engine": engine, "attempts": len(rows)}
+        | {str(outcome): int((rows["outcome"] == outcome).sum()) for outcome in (Outcome.right, Outcome.refused)}
+        | {
+            f"by {finder}": int(((rows["outcome"] == Outcome.refused) & (rows["found_by"] == finder)).sum())
+            for finder in FINDERS
+        }
+        | {str(outcome): int((rows["outcome"] == outcome).sum()) for outcome in WRONG}
+        for engine, rows in cases.groupby("engine", sort=False)
     ]
 
 

@@ -17,8 +17,8 @@ from .family import names
 from .proof import UNKNOWN
 
 DIGITS = 3  # of a difference of a number
-OFF = 0.05  # relative: a linear model's standard deviation that is off by more misleads
-FEW = 20  # machines that the JSON file has in full, picked by the seed
+LINEAR_TOL = 0.05  # relative: a linear model's standard deviation that is off by more misleads
+MAX_MACHINES = 20  # that the JSON file has in full, picked by the seed
 
 
 def in_si(study: MonteCarlo) -> TableRows:
@@ -41,7 +41,9 @@ def differences(study: MonteCarlo, number: Spread) -> Mapping[str, float]:
 
 def summary(study: MonteCarlo) -> dict[str, object]:
     """What the JSON file has: the numbers, what varies, some machines in full by which others can check."""
-    picked = np.sort(np.random.default_rng(study.seed).choice(study.asked, min(FEW, study.asked), replace=False))
+    picked = np.sort(
+        np.random.default_rng(study.seed).choice(study.asked, min(MAX_MACHINES, study.asked), replace=False)
+    )
     numbers = [s.name for s in study.spreads]
     return {
         **{"machines": study.count, "running": study.running, "seed": study.seed},
@@ -74,10 +76,10 @@ def overview(study: MonteCarlo) -> TableRows:
     for s in moving(study):
         drawn = {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
         deviations = {"standard deviation": _amount(study, s, s.deviation), "linear": _amount(study, s, s.linear)}
-        off = {"the linear model is off by": percent(sqrt(s.unexplained))}
+        error = {"the linear model is off by": percent(sqrt(s.unexplained))}
         mean = {"mean": _amount(study, s, s.mean - s.nominal, "+")}
         quantiles = {f"{100 * float(q):g} %": _amount(study, s, v - s.nominal, "+") for q, v in s.quantiles.items()}
-        yield {**drawn, **deviations, **off, **mean, **quantiles}
+        yield {**drawn, **deviations, **error, **mean, **quantiles}
 
 
 def _amount(study: MonteCarlo, number: Spread, value: float, sign: str = "") -> str:
@@ -108,20 +110,24 @@ def shares(study: MonteCarlo) -> TableRows:
 def against_engines(study: MonteCarlo) -> TableRows:
     """Yield a row a number: by how much the engines differ on the linkage as drawn, and the machines do."""
     for s in moving(study):
-        own = {"number": capital(s.name), "the machines' standard deviation": _amount(study, s, s.deviation)}
-        off = differences(study, s)
-        differ = {f"{engine} differs by": _amount(study, s, size) for engine, size in off.items()}
-        yield own | differ | {f"{engine}, of the deviation": percent(by / s.deviation) for engine, by in off.items()}
+        named = {"number": capital(s.name), "the machines' standard deviation": _amount(study, s, s.deviation)}
+        sizes = differences(study, s)
+        differ = {f"{engine} differs by": _amount(study, s, size) for engine, size in sizes.items()}
+        yield (
+            named
+            | differ
+            | {f"{engine}, of the deviation": percent(size / s.deviation) for engine, size in sizes.items()}
+        )
 
 
 def worst(study: MonteCarlo, machine: int) -> TableRows:
     """Yield how far each number of the file is off the drawing on one machine."""
     here = study.changes(machine)
     drawn = zip(study.scene.variations, here.values(), numbers_in(study.scene, [*here]), strict=True)
-    for v, own, number in drawn:
-        off = f"{100 * (own - number) / v.plus_minus:+.0f} %".replace("-", "−")
-        numbers = {"as drawn": f"{number:.7g}", "here": f"{own:.7g}"}
-        yield {"number of the file": v.path, **numbers, "of what is allowed": off}
+    for v, value, number in drawn:
+        share = f"{100 * (value - number) / v.plus_minus:+.0f} %".replace("-", "−")
+        numbers = {"as drawn": f"{number:.7g}", "here": f"{value:.7g}"}
+        yield {"number of the file": v.path, **numbers, "of what is allowed": share}
 
 
 def failures(study: MonteCarlo) -> TableRows:
@@ -157,17 +163,18 @@ def verdicts(study: MonteCarlo) -> Iterator[str]:
         share += f" over the first {cycle_name(study.scene)}" if study.judged.sampling.turns > 1 else ""
         yield f"Yield: {share}; with 95 % confidence {100 * low:.4g} to {100 * high:.4g} %."
     shown = moving(study)
-    off = {s.name: abs(s.linear / s.deviation - 1) for s in shown}
-    bent = [name for name, share in off.items() if share > OFF + 3 * sqrt(0.5 / study.count)]  # beyond chance
+    bends = {s.name: abs(s.linear / s.deviation - 1) for s in shown}
+    bent = [name for name, share in bends.items() if share > LINEAR_TOL + 3 * sqrt(0.5 / study.count)]  # beyond chance
     if bent:
-        which = ", ".join(f"{name} (off by {percent(off[name])})" for name in bent)
-        yield f"Tolerances do not add up linearly for {which}: take the standard deviation of the machines drawn."
+        listed = ", ".join(f"{name} (off by {percent(bends[name])})" for name in bent)
+        yield f"Tolerances do not add up linearly for {listed}: take the standard deviation of the machines drawn."
     elif shown:
-        yield f"Adding the tolerances up linearly gives each standard deviation to within {percent(max(off.values()))}."
+        most = percent(max(bends.values()))
+        yield f"Adding the tolerances up linearly gives each standard deviation to within {most}."
     for engine in (m.run.engine for m in study.judged.measurements):
         ratios = [(differences(study, s).get(engine, nan) / s.deviation, s.name) for s in shown]
         known = [ratio for ratio in ratios if not isnan(ratio[0])]
         if known:
             largest, name = max(known, key=lambda ratio: ratio[0])
-            to = f"{percent(min(known)[0])} to {percent(largest)} of what the tolerances do to the same number"
-            yield f"{engine} differs from the reference by {to}; the most at the {name}."
+            span = f"{percent(min(known)[0])} to {percent(largest)} of what the tolerances do to the same number"
+            yield f"{engine} differs from the reference by {span}; the most at the {name}."

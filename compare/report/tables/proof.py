@@ -16,18 +16,18 @@ from ...mechanics.quantities import DIGITS, named, number, units, with_unit
 from . import TableRows
 
 UNKNOWN = "not known"
-NAMED = 5  # channels in a sentence, at most
+MAX_NAMED = 5  # channels in a sentence
 WIDE = "bounds that grow from group to group are wider than these are ever large"
-NOTHING = 2e-6  # of the largest value of a unit: bounds on zero are known no better than this
+ZERO_TOL = 2e-6  # of the largest value of a unit: bounds on zero are known no better than this
 
 
 def bounds(study: Judgement) -> TableRows:
     """A row a channel or magnitude: what it is never below and never above, and where it comes nearest to that."""
     rows: dict[str, dict[str, object]] = {}
     for row, shown in zip(study.proof.rows, _bounds(study, study.proof.rows), strict=True):
-        never, at = ("never below", "least") if row.extreme == "least" else ("never above", "most")
-        own = rows.setdefault(row.channel, {"channel": row.channel})
-        own |= {never: shown, at: place(study.scene, row[4:])}
+        never, where = ("never below", "least") if row.extreme == "least" else ("never above", "most")
+        entry = rows.setdefault(row.channel, {"channel": row.channel})
+        entry |= {never: shown, where: place(study.scene, row[4:])}
     return rows.values()
 
 
@@ -42,7 +42,7 @@ def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
     for row in rows:
         unit, sign = study.scene.channels[row.channel].unit, 1 if row.extreme == "most" else -1
         value, attained = _ends(row)
-        if abs(value) <= NOTHING * largest.get(unit, 0.0):
+        if abs(value) <= ZERO_TOL * largest.get(unit, 0.0):
             yield "≈ 0" if value else "0"
         elif not abs(value - attained) <= sizes.get(row.channel, 0.0):
             yield UNKNOWN
@@ -68,14 +68,14 @@ def _ends(row: Enclosure) -> tuple[float, float]:
 def sentences(study: Judgement) -> Iterator[str]:
     """Yield what is proven, or where it is not, how many limits of the scene are met, and those that are not."""
     scene, proof = study.scene, study.proof
-    over = f"over the whole {'turn' if turns_fully(scene) else 'range of the drive'}"
+    extent = f"over the whole {'turn' if turns_fully(scene) else 'range of the drive'}"
     if proof.cycles is not None:  # forces go on from cycle to cycle
         cycle, count = cycle_name(scene), proof.turns
         known = f"{proof.cycles} of {count} {cycle}s" if proof.cycles < count else f"{count} {cycle}s"
-        over = f"over the first {cycle if count == 1 else known}"
+        extent = f"over the first {cycle if count == 1 else known}"
     if proof.open_at is not None:
-        what = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
-        yield f"Not proven {over}: {what}, {place(scene, proof.open_at)}: {proof.why}."
+        claim = "that the linkage assembles" + " and friction leaves one set of forces" * bool(scene.friction)
+        yield f"Not proven {extent}: {claim}, {place(scene, proof.open_at)}: {proof.why}."
     else:
         proofs = ["it assembles"]
         pins = {force: pin for pin, force in scene.channels.forces_of_pins.items()}
@@ -89,12 +89,12 @@ def sentences(study: Judgement) -> Iterator[str]:
             proofs += [f"no transmission angle of a dyad is below {least}" for least in _bounds(study, angles)]
         else:
             proofs += _advantage(study)
-        yield f"Proven {over}: {', '.join(proofs)}."
+        yield f"Proven {extent}: {', '.join(proofs)}."
         unknown = [row for row, shown in zip(proof.rows, _bounds(study, proof.rows), strict=True) if shown == UNKNOWN]
         if unknown:
             names, why = list(dict.fromkeys(row.channel for row in unknown)), proof.why or WIDE
-            more = f" and {len(names) - NAMED} more" * (len(names) > NAMED)
-            yield f"No bound is known of {', '.join(names[:NAMED])}{more}, {place(scene, unknown[0][4:])}: {why}."
+            more = f" and {len(names) - MAX_NAMED} more" * (len(names) > MAX_NAMED)
+            yield f"No bound is known of {', '.join(names[:MAX_NAMED])}{more}, {place(scene, unknown[0][4:])}: {why}."
     if (verdict := study.limits_verdict) is not None:
         yield verdict.sentence
 
@@ -120,10 +120,18 @@ def _advantage(study: Judgement) -> Iterator[str]:
 def assemblies(scene: Scene, every: Assemblies) -> TableRows:
     """A row an assembly: how far the sketch is from it, its circuit, and where it meets another."""
     return [
-        {"assembly": number, "off the sketch by": scene.length(one.off_sketch), "meant": "yes" if one.meant else ""}
-        | {"circuit": "–" if one.circuit is None else chr(ord("A") + one.circuit)}
-        | {"meets another at": ", ".join(f"{scene.position(at)} ({joint} singular)" for at, joint in one.meets)}
-        for number, one in enumerate(every.found, 1)
+        {
+            "assembly": number,
+            "off the sketch by": scene.length(assembly.off_sketch),
+            "meant": "yes" if assembly.meant else "",
+        }
+        | {"circuit": "–" if assembly.circuit is None else chr(ord("A") + assembly.circuit)}
+        | {
+            "meets another at": ", ".join(
+                f"{scene.position(position)} ({joint} singular)" for position, joint in assembly.meets
+            )
+        }
+        for number, assembly in enumerate(every.found, 1)
     ]
 
 
@@ -131,5 +139,5 @@ def how_many(scene: Scene, every: Assemblies) -> str:
     """How many assemblies there are, and whether the sketch is nearest to the one that it picks."""
     count = len(every.found)
     known = "" if every.complete else ", perhaps not all"
-    what = f"{count} assembl{'y' if count == 1 else 'ies'} at {scene.where(every.position)}{known}"
-    return f"{what}; the sketch picks {'the nearest to it' if every.found and every.found[0].meant else 'another'}"
+    counted = f"{count} assembl{'y' if count == 1 else 'ies'} at {scene.where(every.position)}{known}"
+    return f"{counted}; the sketch picks {'the nearest to it' if every.found and every.found[0].meant else 'another'}"

@@ -5,7 +5,7 @@ from math import isnan
 
 from ...engines.registry import ABLATION, REFERENCE
 from ...measure.speed.share import LEFT_OUT
-from ...measure.speed.work_precision import ALIKE, Choice, contenders, groups, solved
+from ...measure.speed.work_precision import CHOICE_TOL, Choice, contenders, groups, solved
 from ...mechanics.axis import cycle_name
 from ...study import Study
 from . import TableRows
@@ -34,7 +34,7 @@ def verdict(study: Study) -> str:
         return ""
     cycle = cycle_name(study.scene)
     texts = {c: f"{c.engine} with the setting “{c.setting}”, {1e3 * c.solve_s:.3g} ms per {cycle}" for c in able}
-    named = [text for choice, text in texts.items() if choice.engine == REFERENCE and choice.ratio <= 1 + ALIKE]
+    named = [text for choice, text in texts.items() if choice.engine == REFERENCE and choice.ratio <= 1 + CHOICE_TOL]
     others = [text for choice, text in texts.items() if choice.standing in ("cheapest", "level")]
     if others:
         alike = "of the other engines, " * len(named) + "about equally fast, " * (len(others) > 1)
@@ -83,13 +83,13 @@ def _choice(choice: Choice) -> str:
 def orders(study: Study) -> TableRows:
     """The orders of convergence, a column per channel group, a row per family that has three good settings."""
     rows: dict[tuple[str, str], dict[str, object]] = {}
-    for of in study.orders:
-        expected = "–" if of.expected_order is None else f"{of.expected_order:g}"
-        family: dict[str, object] = {"engine": of.engine, "family": of.family, "expected": expected}
-        fit = "not settled" if isnan(of.order) else f"{of.order:.2f}"
-        local = ", ".join(f"{order:.2f}" for order in of.local_orders)
-        text = f"{fit} ({local}; {of.residual:.1g})" if local else "–"
-        rows.setdefault((of.engine, of.family), family)[of.group] = text
+    for order in study.orders:
+        expected = "–" if order.expected_order is None else f"{order.expected_order:g}"
+        family: dict[str, object] = {"engine": order.engine, "family": order.family, "expected": expected}
+        fit = "not settled" if isnan(order.order) else f"{order.order:.2f}"
+        local = ", ".join(f"{order:.2f}" for order in order.local_orders)
+        text = f"{fit} ({local}; {order.residual:.1g})" if local else "–"
+        rows.setdefault((order.engine, order.family), family)[order.group] = text
     known = set(groups(study.speed))
     return [row for row in rows.values() if any(row[group] != "–" for group in known & row.keys())]
 
@@ -105,8 +105,10 @@ def step_costs(study: Study) -> TableRows:
 def ablations(study: Study) -> TableRows:
     """Yield the cost of modelling more than a scene needs: sizes, steps, time per step over that of the default."""
     for engine in dict.fromkeys(row.engine for row in study.speed if row.role == ABLATION):
-        own = [row for row in study.speed if row.engine == engine]
-        measured = [row for row in own if "balanced" in row.tier] + [row for row in own if row.role == ABLATION]
+        rows_of_engine = [row for row in study.speed if row.engine == engine]
+        measured = [row for row in rows_of_engine if "balanced" in row.tier] + [
+            row for row in rows_of_engine if row.role == ABLATION
+        ]
         seconds = [row.solve_min_s / (row.counters.get("steps") or 1) for row in measured]
         for row, a_step in zip(measured, seconds, strict=True):
             sizes = {size: row.counters.get(size, "–") for size in SIZES}

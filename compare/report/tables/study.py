@@ -62,10 +62,10 @@ def by_group(study: Study) -> TableRows:
     """Yield the largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
     for measured in study.measurements:
         largest = {figure: measured.worst(figure) for figure in FIGURES}
-        for group, of in grouped(measured.errors).items():
-            worst, figures = worst_of(of), {figure: sizes[group] for figure, sizes in largest.items()}
-            at = {"worst_channel": worst.channel, f"max_at [{axis(study.scene).unit}]": worst.max_at}
-            yield {"engine": measured.run.engine, "group": group} | figures | at
+        for group, errors in grouped(measured.errors).items():
+            worst, figures = worst_of(errors), {figure: sizes[group] for figure, sizes in largest.items()}
+            place = {"worst_channel": worst.channel, f"max_at [{axis(study.scene).unit}]": worst.max_at}
+            yield {"engine": measured.run.engine, "group": group} | figures | place
 
 
 def checks(study: Study) -> TableRows:
@@ -73,8 +73,8 @@ def checks(study: Study) -> TableRows:
     places = [abs(check.max_at) for m in study.measurements for check in m.checks if not isnan(check.max_at)]
     for m in study.measurements:
         for kind in dict.fromkeys(check.check for check in m.checks):
-            of = (check for check in m.checks if check.check == kind)
-            check = max(of, key=lambda c: inf if isnan(c.worst) else c.worst)
+            of_kind = (check for check in m.checks if check.check == kind)
+            check = max(of_kind, key=lambda c: inf if isnan(c.worst) else c.worst)
             named = {"engine": m.run.engine, "check": kind, "of": check.of, "worst": check.worst}
             place = check.max_at if abs(check.max_at) > 1e-6 * max(places, default=0) else 0.0  # round-off of 0
             yield {**named, f"max_at [{axis(study.scene).unit}]": place, "relative to": check.relative_to}
@@ -82,10 +82,10 @@ def checks(study: Study) -> TableRows:
 
 def peaks(study: Study) -> TableRows:
     """Yield a row per number of the designer's, in SI, and by how much each engine differs on it."""
-    at = f"at [{study.scene.channels[axis(study.scene).channel].unit}]"
+    place = f"at [{study.scene.channels[axis(study.scene).channel].unit}]"
     engines = dict.fromkeys(engine for peak in study.peaks for engine in peak.differs)
     for peak in study.peaks:
-        named = {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, at: peak.position}
+        named = {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, place: peak.position}
         differ = {f"{engine} differs by": peak.differs.get(engine, nan) for engine in engines}
         yield {**named, "direction [rad]": peak.direction, "channel": peak.channel, **differ}
 
@@ -113,10 +113,10 @@ def masses(study: Study, in_units: Mapping[str, tuple[str, float]] | None = None
     known = in_units or {**scene.units, "length": (metre, 1 / factor)}
     (length, m), (mass, kg) = (known[name] for name in ("length", "mass"))
     for name, body in scene.bodies.items() if scene.has_masses else ():
-        own = weights(scene, body)
-        com = (own.com + first_point(body)) / m
-        placed = {f"mass [{mass}]": own.mass / kg, f"com x [{length}]": com.real, f"com y [{length}]": com.imag}
-        turned = {f"inertia [{mass}*{length}^2]": own.inertia / (kg * m**2), "taken as": rule(scene, body)}
+        weight = weights(scene, body)
+        com = (weight.com + first_point(body)) / m
+        placed = {f"mass [{mass}]": weight.mass / kg, f"com x [{length}]": com.real, f"com y [{length}]": com.imag}
+        turned = {f"inertia [{mass}*{length}^2]": weight.inertia / (kg * m**2), "taken as": rule(scene, body)}
         yield {"body": name, **placed, **turned}
 
 

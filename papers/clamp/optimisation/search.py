@@ -12,7 +12,7 @@ from ..formulas import MEASURES, UNITS, Array, Design, assembles, closed
 from ..printed import BOUNDS
 
 STEP = 1e-30  # of the complex step: its error is STEP^2, and nothing cancels (Squire and Trapp 1998)
-FAR = 1e3  # the objective where a design does not assemble; a feasible one has about one
+INFEASIBLE_OBJECTIVE = 1e3  # where a design does not assemble; a feasible one has about one
 
 VARIABLES = tuple(BOUNDS)
 LOWER, UPPER = np.transpose([np.multiply(UNITS[Design._fields.index(name)], ends) for name, ends in BOUNDS.items()])
@@ -30,8 +30,8 @@ class Limit:
 
     def slacks(self, d: Design) -> list[Array]:
         """How far above the one and below the other value the measure is, those that are finite, scaled."""
-        of, scale, _ = MEASURES[self.measure]
-        value = of(d)
+        measured, scale, _ = MEASURES[self.measure]
+        value = measured(d)
         ends = ((1, self.low), (-1, self.high))
         return [np.asarray(sign * (value - end) / scale) for sign, end in ends if np.isfinite(end)]
 
@@ -85,7 +85,7 @@ class Problem:
         rows = self.rows(in_box(u[:, None] + steps))
         values, gradients = rows[:, 0].real.copy(), rows[:, 1:].imag / STEP
         if not assembles(in_box(u)):
-            values[0] = FAR
+            values[0] = INFEASIBLE_OBJECTIVE
         return values, gradients
 
 
@@ -101,13 +101,13 @@ def in_box(u: Array) -> Design:
     return closed(Design(L3=np.nan, **dict(zip(VARIABLES, values, strict=True))))
 
 
-FEASIBLE = 1e-9  # the largest violation, dimensionless
-AGREES = 1e-6  # relative to the best: well above where a search stops, well below the distance of two optima
+FEASIBLE_TOL = 1e-9  # the largest violation, dimensionless
+OPTIMUM_TOL = 1e-6  # relative to the best: well above where a search stops, well below the distance of two optima
 SEED = 2023
-MOST_STARTS = 2**12
+MAX_STARTS = 2**12
 
 GENERATIONS = 1000
-ALIKE = 1e-8  # relative: where a whole population is so, it has converged, far below `AGREES`
+POPULATION_TOL = 1e-8  # relative: a whole population within it has converged, far below `OPTIMUM_TOL`
 POPULATION = 15  # times the number of variables
 PENALTY = 100.0  # above all multipliers, which are of order one: the least of the penalised objective is then feasible
 
@@ -128,11 +128,11 @@ def search(problem: Problem, starts: int) -> Optimum:
     """Search from that many points of a Sobol sequence, those at which a design assembles."""
     d = in_box(np.stack([_descend(problem, start) for start in _starts(starts)], axis=1))
     value, violation = MEASURES[problem.objective].of(d), problem.violations(problem.rows(d)).max(axis=0)
-    feasible = assembles(d) & (violation <= FEASIBLE)
+    feasible = assembles(d) & (violation <= FEASIBLE_TOL)
     if not feasible.any():
         return Optimum(Design(*[np.nan] * len(d)), np.nan, np.nan, starts, 0, 0)
     best = int(np.argmin(np.where(feasible, value / problem.scale, np.inf)))
-    agree = feasible & (np.abs(value - value[best]) <= AGREES * abs(value[best]))
+    agree = feasible & (np.abs(value - value[best]) <= OPTIMUM_TOL * abs(value[best]))
     design = Design(*(values[best] for values in d))
     return Optimum(design, float(value[best]), float(violation[best]), starts, int(feasible.sum()), int(agree.sum()))
 
@@ -148,7 +148,7 @@ def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
         popsize=POPULATION,
         recombination=0.9,
         init="sobol",
-        tol=ALIKE,
+        tol=POPULATION_TOL,
         polish=False,
         vectorized=True,
         updating="deferred",
@@ -162,7 +162,7 @@ def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
 def _starts(count: int) -> tuple[Vector, ...]:
     from scipy.stats.qmc import Sobol  # which takes longer than all else that is imported
 
-    points = Sobol(8, rng=np.random.default_rng(SEED)).random(MOST_STARTS)
+    points = Sobol(8, rng=np.random.default_rng(SEED)).random(MAX_STARTS)
     return tuple(points[assembles(in_box(points.T))][:count])
 
 
@@ -192,4 +192,4 @@ def _penalised(u: Vector, problem: Problem) -> Vector:
     d = in_box(u)
     rows = problem.rows(d)
     penalty = PENALTY * problem.violations(rows).sum(axis=0)
-    return np.asarray(np.where(assembles(d), rows[0] + penalty, FAR))
+    return np.asarray(np.where(assembles(d), rows[0] + penalty, INFEASIBLE_OBJECTIVE))

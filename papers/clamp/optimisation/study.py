@@ -23,7 +23,7 @@ from .search import Limit, Optimum, Problem, restart, search
 
 LIMITS = Limits(seconds=3600.0, workers=2)  # a point takes minutes of processor time at most
 RATIOS = tuple(round(1 + 0.01 * step, 2) for step in range(13))  # of R_S
-TOLERANCE = 0.005
+MEASURE_TOL = 0.005
 PIN_ROOM = tuple(range(120, 141, 4))  # mm, of (d_D + d_E)/2
 
 LITERALLY = "160 deg read literally"
@@ -74,12 +74,12 @@ def study(effort: Effort, ratios: Sequence[float], progress: Progress) -> list[P
 
     def solve(tasks: Sequence[Task]) -> list[Point]:
         solved = dict[tuple[str, str], Point]()
-        for (name, at, *_), point in isolated(_point, tasks, LIMITS, lambda: None):
+        for (name, place, *_), point in isolated(_point, tasks, LIMITS, lambda: None):
             if isinstance(point, Ended):
-                raise RuntimeError(f"{name}, {at}: {point.reason}")
-            solved[name, at] = point
-            progress(f"{next(done)} of {total} points: {name}, {at}")
-        return [solved[name, at] for name, at, *_ in tasks]
+                raise RuntimeError(f"{name}, {place}: {point.reason}")
+            solved[name, place] = point
+            progress(f"{next(done)} of {total} points: {name}, {place}")
+        return [solved[name, place] for name, place, *_ in tasks]
 
     points = solve([*curve, *beyond])
     best, rest = points[: len(ratios)], points[len(ratios) :]
@@ -95,7 +95,7 @@ def fixed_ratio(ratio: float, clearance: Clearance = BOTH, waived: frozenset[str
 def least_length(point: Point) -> Problem:
     """The search for the least L_sum, M_P and R_S within the tolerance of a point's."""
     values = {name: measure(name, point.optimum.design) for name in ("M_P", "R_S")}
-    limits = (Limit(name, (1 - TOLERANCE) * value, (1 + TOLERANCE) * value) for name, value in values.items())
+    limits = (Limit(name, (1 - MEASURE_TOL) * value, (1 + MEASURE_TOL) * value) for name, value in values.items())
     return replace(point.problem, objective="L_sum", limits=tuple(limits))
 
 
@@ -145,8 +145,8 @@ def _beyond(effort: Effort) -> Iterator[Task]:
 
 
 def _point(task: Task) -> Point:
-    set_name, at, problem, effort = task
+    set_name, place, problem, effort = task
     optimum = search(problem, effort.starts)
     restarts = effort.restarts if optimum.feasible else 0
     short = tuple(restart(problem, optimum, seed) for seed in range(restarts))
-    return Point(set_name, at, problem, optimum, short)
+    return Point(set_name, place, problem, optimum, short)

@@ -11,7 +11,7 @@ from ..constraints import BOTH, SLENDER, STROKE, Clearance, slacks
 from ..formulas import INITIAL, MEASURES, PUBLISHED, SCHEME_4, UNITS, Design, measure
 from ..printed import LARGEST_FORCE_RATIO, LENGTH_RATIO, PLATEN_STROKE, TABLE_1
 from .recheck import Recheck
-from .search import AGREES, FEASIBLE, VARIABLES, gains
+from .search import FEASIBLE_TOL, OPTIMUM_TOL, VARIABLES, gains
 from .study import AHEAD, BASELINE, FORCE, LENGTHS, LITERALLY, MAIN, MOST_ROOM, ROOM, SIX, Point
 
 Row: TypeAlias = dict[str, Any]
@@ -37,9 +37,9 @@ def rows(points: Sequence[Point]) -> list[Row]:
     return table
 
 
-def _row(name: str, at: str, d: Design) -> Row:
-    worth = {of: measure(of, d) for of in MEASURES} | {"gain": _gain(d)}
-    return {"set": name, "at": at} | variables(d) | worth
+def _row(name: str, place: str, d: Design) -> Row:
+    worth = {name_of_measure: measure(name_of_measure, d) for name_of_measure in MEASURES} | {"gain": _gain(d)}
+    return {"set": name, "at": place} | variables(d) | worth
 
 
 def _gain(d: Design) -> float:
@@ -55,7 +55,7 @@ def of(points: Sequence[Point], name: str) -> list[Point]:
 def improved(points: Sequence[Point]) -> list[Point]:
     """The points that a restart has improved, and those of the curve and of the next step without a design."""
     missing = [p for p in points if p.set in (MAIN, LENGTHS) and not p.optimum.feasible]
-    return [*missing, *(p for p in points if not min(p.short, default=0.0) >= -AGREES)]
+    return [*missing, *(p for p in points if not min(p.short, default=0.0) >= -OPTIMUM_TOL)]
 
 
 def curve(points: Sequence[Point], name: str, label: str = "") -> TableRows:
@@ -89,11 +89,11 @@ def _searched(point: Point) -> Row:
 def published() -> TableRows:
     """The published designs' measures beside what is printed."""
     return [
-        {"design": name, "measure": of, "printed": TABLE_1[PRINTED_AS.get(of, of)][name]}
-        | {"computed": f"{measure(of, d):.5f}"}
+        {"design": name, "measure": row, "printed": TABLE_1[PRINTED_AS.get(row, row)][name]}
+        | {"computed": f"{measure(row, d):.5f}"}
         for name, d in PUBLISHED.items()
-        for of in TABLE_1
-        if of in MEASURES
+        for row in TABLE_1
+        if row in MEASURES
     ]
 
 
@@ -102,7 +102,7 @@ def constraints(points: Sequence[Point]) -> TableRows:
     shown = dict(PUBLISHED) | {p.at: p.optimum.design for p in of(points, MAIN)}
     slack = {label: slacks(d, BOTH) for label, d in shown.items()}
     return [
-        {"constraint": name} | {label: f"{float(of[name]):.4f}" for label, of in slack.items()}
+        {"constraint": name} | {label: f"{float(of_design[name]):.4f}" for label, of_design in slack.items()}
         for name in slacks(INITIAL, BOTH)
     ]
 
@@ -135,13 +135,13 @@ def findings(points: Sequence[Point]) -> Iterator[str]:
         yield f"{name}: {len(chosen)} points; of the starts of each, {least} or more agree on the best."
     short = [value for point in (*best, *steps) for value in point.short]
     if short:
-        outcome = "improves none of them" if min(short) >= -AGREES else "improves one of them"
+        outcome = "improves none of them" if min(short) >= -OPTIMUM_TOL else "improves one of them"
         yield (
             f"Differential evolution, restarted from nothing {len(short)} times, {outcome}: it falls short by"
             f" {min(short):.0e} to {max(short):.0e}, relatively."
         )
     strict = {p.at: p.optimum for p in points if p.set == LITERALLY}
-    none = [at for at, optimum in strict.items() if not optimum.feasible]
+    none = [place for place, optimum in strict.items() if not optimum.feasible]
     most = max((optimum.value for optimum in strict.values() if optimum.feasible), default=np.nan)
     yield f"With {LITERALLY}, no design is found at {', '.join(none) or 'no point'}, and M_P is {most:.2f} at most."
     for point in of(points, BASELINE):
@@ -164,7 +164,7 @@ def _outcome(point: Point) -> str:
     """How far a design is ahead of scheme 4, in what, and which printed limits it misses for that."""
     d = point.optimum.design
     gain = 100 * _gain(d)
-    if abs(gain) <= 100 * AGREES:
+    if abs(gain) <= 100 * OPTIMUM_TOL:
         return "none is found but scheme 4 itself"
     if gain < 0:
         return f"none is found, the best is {-gain:.3f} % behind"
@@ -177,4 +177,4 @@ def _outcome(point: Point) -> str:
         SLENDER: f"L1/L2 is {measure('L1/L2', d):.3f}, over the printed {LENGTH_RATIO[1]:g}",
     }
     slack = slacks(d, point.problem.clearance)
-    return "; ".join([*parts, *(text for name, text in limits.items() if slack[name] < -FEASIBLE)])
+    return "; ".join([*parts, *(text for name, text in limits.items() if slack[name] < -FEASIBLE_TOL)])

@@ -16,7 +16,7 @@ from ..poses import SECONDS, PoseSolver
 from ..start import begun
 from ..system import Array, exudyn
 
-SPRING_LIMIT = 1e-12  # of the linkage's size; a shorter spring's direction is round-off
+MIN_SPRING = 1e-12  # of the linkage's size; a shorter spring's direction is round-off
 
 
 def failure(error: Exception, doing: str) -> Failure:
@@ -73,7 +73,7 @@ class ExudynSimulation:
         for pair in self.scene.of_type(PointPair).values():
             (_, p), (_, q) = pair.ends
             length = np.abs(channels.place(self.system, q, self._q) - channels.place(self.system, p, self._q))
-            if pair.needs_direction and not length.min() > SPRING_LIMIT * self.system.size:
+            if pair.needs_direction and not length.min() > MIN_SPRING * self.system.size:
                 where = self.scene.where(self.positions[np.argmin(length)])
                 reason = f"a {pair.noun} has no direction at {where}: {p} and {q} meet"
                 raise Failure(Status.nonfinite, reason, self._motion)

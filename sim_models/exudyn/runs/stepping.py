@@ -25,13 +25,13 @@ from ..settings import ExudynExtra, JacobianUse, TextbookTimeStepping, TimeStepp
 from ..system import Array, ExudynSystem, exudyn
 from .simulation import ExudynSimulation, failure
 
-PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
+MAX_PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
 SLOWLY = 8  # times the steps before a start that a law takes at least: polynomials soon leave all range before theirs
-SINGULAR_SPEED = 2.0  # times that at the start, at the same rate of the drive: no integration begins there
+MAX_SPEED_RATIO = 2.0  # times that at the start, at the same rate of the drive: no integration begins there
 TRAPEZOIDAL = "TrapezoidalIndex2"
-ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
-DENSE = 10  # bodies: with more, a step's sparse equations take less, of 27 less than half
-SAME_INSTANT = 1e-9  # of the time between samples: one on a knot begins a piece, whichever way it was rounded
+GAP_TOL = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
+MAX_DENSE = 10  # bodies: with more, a step's sparse equations take less, of 27 less than half
+SAME_INSTANT_TOL = 1e-9  # of the time between samples: one on a knot begins a piece, whichever way it was rounded
 
 
 class Stretch(NamedTuple):
@@ -69,7 +69,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         parts = pieces(self.scene.drive.law, float(times[-1]))
         if isinstance(self.options, TextbookTimeStepping):
             return [Stretch(parts, slice(len(times)), stride, 0.0, self._at_start)]
-        begins = np.searchsorted(times, [part.begin - SAME_INSTANT * times[1] for part in parts])
+        begins = np.searchsorted(times, [part.begin - SAME_INSTANT_TOL * times[1] for part in parts])
         ends = pairwise([*begins.tolist(), len(times)])
         spans = [(part, slice(first, end)) for part, (first, end) in zip(parts, ends, strict=True) if first < end]
         firsts = self.poses.through(self._at_start, self.positions[[rows.start for _, rows in spans]])
@@ -84,7 +84,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         time = self.times[rows.start]
         while self.options.pre_roll * self._step(stride) > part.within / SLOWLY:
             stride *= 2
-        for _ in range(PRE_ROLL_HALVINGS + 1):
+        for _ in range(MAX_PRE_ROLL_HALVINGS + 1):
             before = time - self.options.pre_roll * self.scene.cycle / (stride * self.sampling.samples)
             try:
                 return Stretch([part], rows, stride, before, self._before(first, part, np.linspace(time, before)))
@@ -99,7 +99,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         farthest = max(positions, key=lambda position: abs(position - first.position))
         turned = poses.follow(first, farthest)
         there, here = poses.length(turned.tangent), poses.length(first.tangent)
-        if not self.scene.periodic and not there <= SINGULAR_SPEED * here:
+        if not self.scene.periodic and not there <= MAX_SPEED_RATIO * here:
             raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {self.scene.where(farthest)}")
         return poses.follow(turned, positions[-1])
 
@@ -119,6 +119,12 @@ class TimeSteppedSimulation(ExudynSimulation):
         return (4 * fine - coarse) / 3  # both methods are of order 2
 
     def _integrate(self, stretch: Stretch, samples: Array, refinement: int) -> None:
+        """Integrate a stretch with a constant step, `refinement` times finer than asked for, into its samples.
+
+        It begins some steps before the first sample. Exudyn's implicit solver makes the steps, and the recorder takes
+        positions, rates, accelerations and multipliers after each of those that are samples. A step that does not
+        converge is a Failure that says where. Of a system in fewer unknowns the others are found from them afterwards.
+        """
         before, stride = refinement * self.options.pre_roll, refinement * stretch.stride
         step = self._step(stride)
         steps = max(before + stride * (samples.shape[1] - 1), 1)
@@ -150,8 +156,8 @@ class TimeSteppedSimulation(ExudynSimulation):
         steps = count(-before)
 
         def record(_mbs: Any, _time: float) -> bool:
-            sample, between = divmod(next(steps), stride)
-            if between == 0 and 0 <= sample < samples.shape[1]:
+            sample, remainder = divmod(next(steps), stride)
+            if remainder == 0 and 0 <= sample < samples.shape[1]:
                 for row, (get, chosen) in rows:
                     row[sample] = get()[chosen]
                 with suppress(Failure):  # which would have to pass through Exudyn
@@ -206,10 +212,10 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
     integration.generalizedAlpha.computeInitialAccelerations = False  # those take no account of the drive's own
     integration.adaptiveStep = False  # it adds up time, and ends on a tiny step with absurd forces
     integration.newton.relativeTolerance = options.tolerance
-    integration.newton.absoluteTolerance = ROUND_OFF * model.size * options.tolerance
+    integration.newton.absoluteTolerance = GAP_TOL * model.size * options.tolerance
     integration.newton.useModifiedNewton = options.newton is not JacobianUse.FULL
     integration.newton.modifiedNewtonJacUpdatePerStep = options.newton is JacobianUse.ONE_A_STEP
-    if len(model.bodies) > DENSE:
+    if len(model.bodies) > MAX_DENSE:
         model.settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
         model.settings.linearSolver.reuseAnalyzedPattern = True  # who is joined to whom is the same in every step
 

@@ -34,10 +34,10 @@ def forces_with_motors(
     begin = after[..., :3] - size * rates
     model = run.model(begin[:1], rates[:1])
     bodies, sweeps = model.bodies | {GROUND: model.space.static_body}, model.space.iterations
-    channels = {one.channel(linkage.scene): one for one in linkage.scene.friction}
-    motors = {name: motor for name, one in channels.items() if (motor := _motor(linkage, one, bodies))}
+    channels = {friction.channel(linkage.scene): friction for friction in linkage.scene.friction}
+    motors = {name: motor for name, friction in channels.items() if (motor := _motor(linkage, friction, bodies))}
     model.space.add(*motors.values())
-    own = np.empty((len(begin), len(model.joints)))
+    impulses = np.empty((len(begin), len(model.joints)))
     for k in range(len(begin)):
         model.place(begin[k : k + 1], rates[k : k + 1])
         for body, (x, y, moment) in zip(model.bodies.values(), forces[k].tolist(), strict=True):
@@ -46,18 +46,18 @@ def forces_with_motors(
             motor.max_force = abs(found[name][k])
         model.space.step(size)
         model.space.iterations = sweeps // FIRST_SWEEPS
-        own[k] = [joint.impulse / size for joint in model.joints.values()]
+        impulses[k] = [joint.impulse / size for joint in model.joints.values()]
     slips = np.einsum("nkbi,nbi->nk", directions(linkage, after[..., :3]), after[..., 3:])
-    return own, np.all(slips * np.stack([found[name] for name in channels], axis=1) <= 0, axis=1)
+    return impulses, np.all(slips * np.stack([found[name] for name in channels], axis=1) <= 0, axis=1)
 
 
 def _motor(linkage: LinkageConstraints, friction: Friction, bodies: Bodies) -> pymunk.Constraint | None:
     """What resists the joint's motion, and corrects no position; None between bodies that forces do not move."""
     groove = CONTACTS[type(friction)].groove(friction, linkage, len(bodies) * linkage.size)  # no body gets further
     ends, places = friction.joined(linkage.scene), [pair(place) for place in groove]
-    one, other = (bodies[name] for name in ends)
-    if pymunk.Body.DYNAMIC not in (one.body_type, other.body_type):
+    earlier, later = (bodies[name] for name in ends)
+    if pymunk.Body.DYNAMIC not in (earlier.body_type, later.body_type):
         return None
-    motor = pymunk.GrooveJoint(one, other, *places) if places else pymunk.SimpleMotor(one, other, 0)
+    motor = pymunk.GrooveJoint(earlier, later, *places) if places else pymunk.SimpleMotor(earlier, later, 0)
     motor.error_bias = 1
     return motor

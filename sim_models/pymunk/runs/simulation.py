@@ -26,11 +26,11 @@ from .motors import forces_with_motors
 from .stepping import Integration, TextbookRun
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
-LARGEST_DRIFT = 1e-6
+MAX_DRIFT = 1e-6
 # Of the crank's radius, or of half a slider's travel; the curvature of a step opens joints, by 0.004 at 5 deg in the
 # toggle press.
-LARGEST_GAP = 0.05
-LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by round-off
+MAX_GAP = 0.05
+MAX_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by round-off
 LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 
 
@@ -85,8 +85,8 @@ class PymunkSimulation:
     def read(self) -> Motion:
         """The channels, having checked each run; a Failure names the drive's position and has the motion with it."""
         wanted = [name for name in self._sampling.wanted(self._scene) if name in self._channels]
-        own = {name: np.ascontiguousarray(self._channels[name]) for name in wanted}  # not parts of larger arrays
-        motion = Motion({"time": self._times} | own)
+        channels = {name: np.ascontiguousarray(self._channels[name]) for name in wanted}  # not parts of larger arrays
+        motion = Motion({"time": self._times} | channels)
         try:
             self.residuals = self._checked(motion.samples)
         except Failure as failure:
@@ -116,11 +116,11 @@ class PymunkSimulation:
     def _confirmed(self, run: Integration) -> dict[str, float]:
         """Find the residual of the forces that follow from a run's motion, against the engine's own."""
         motion = run.motions
-        at = instants(self._linkage, self._times, motion.q, run.rates)
-        forces = applied(self._linkage, at, run.active)
+        instant = instants(self._linkage, self._times, motion.q, run.rates)
+        forces = applied(self._linkage, instant, run.active)
         reactions = reaction_channels(self._linkage, motion, forces)
-        expected, own = joint_forces(self._linkage, motion, reactions, run.joints), run.impulses / run.steps.size
-        residuals = check_impulses(self._linkage, run.positions[:: run.steps.stride], expected, own)
+        expected, found = joint_forces(self._linkage, motion, reactions, run.joints), run.impulses / run.steps.size
+        residuals = check_impulses(self._linkage, run.positions[:: run.steps.stride], expected, found)
         return residuals | (self._rubbed(run, forces, reactions) if self._scene.friction else {})
 
     def _rubbed(self, run: Integration, forces: PoseArray, reactions: Mapping[str, Samples]) -> dict[str, float]:
@@ -131,8 +131,8 @@ class PymunkSimulation:
         motion = run.motions
         found = with_friction(self._linkage, self._times, motion.q, reactions)
         expected = joint_forces(self._linkage, motion, found, run.joints)
-        own, alike = forces_with_motors(self._linkage, run, forces, found)
-        mismatch = np.abs(expected - own)[alike].max(initial=0.0)
+        measured, alike = forces_with_motors(self._linkage, run, forces, found)
+        mismatch = np.abs(expected - measured)[alike].max(initial=0.0)
         return {"friction": float(mismatch / (expected[alike].max(initial=0.0) or 1.0))}
 
 
@@ -172,19 +172,19 @@ def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples,
     _require(scene, branches == start, positions, Status.wrong_branch, "the linkage flips to another branch")
     if linkage.moved[linkage.drive.body].prescribed or between_bodies(scene):
         drifting = f"'{linkage.drive.body}' is not where the drive takes it"
-        _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
-    opening = f"a joint opens by over {LARGEST_GAP:.0%} of {most}"
-    _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, opening)
+        _require(scene, drift <= MAX_DRIFT, positions, Status.diverged, drifting)
+    opening = f"a joint opens by over {MAX_GAP:.0%} of {most}"
+    _require(scene, gap <= MAX_GAP, positions, Status.diverged, opening)
     return {"drive": float(drift.max()), "joint_gap": float(gap.max())}
 
 
 def check_impulses(
-    linkage: LinkageConstraints, positions: Samples, expected: Samples, own: Samples
+    linkage: LinkageConstraints, positions: Samples, expected: Samples, found: Samples
 ) -> dict[str, float]:
     """How far the joints' forces are from the engine's own, both of shape (n, joints), N, by the largest."""
-    mismatch = np.abs(expected - own).max(axis=1) / (expected.max() or 1.0)
+    mismatch = np.abs(expected - found).max(axis=1) / (expected.max() or 1.0)
     sentence = "the reactions are not the engine's impulses"
-    _require(linkage.scene, mismatch <= LARGEST_MISMATCH, positions, Status.not_converged, sentence)
+    _require(linkage.scene, mismatch <= MAX_MISMATCH, positions, Status.not_converged, sentence)
     return {"impulses": float(mismatch.max())}
 
 

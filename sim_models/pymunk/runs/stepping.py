@@ -27,7 +27,7 @@ from ..start import begun, move, rates
 # first acceleration less exact.
 PRE_ROLL, LEAST_PRE_ROLL = 5, 3
 TEXTBOOK_PRE_ROLL = 1 / 8  # of a cycle before t = 0, in which the cached impulses, zero at first, settle
-STARTS = 32  # that are kept; the settings that every run measures have nine
+MAX_STARTS = 32  # that are kept; the settings that every run measures have nine
 FIRST_SWEEPS = 10  # times those of a later step
 
 
@@ -90,7 +90,13 @@ class Integration:
         return self._model.counters(steps, self._settings.iterations * (FIRST_SWEEPS - 1 + steps))
 
     def advance(self, budget: ProcessorBudget) -> None:
-        """Step from before t = 0 to the end."""
+        """Step from before t = 0 to the end.
+
+        In each step what acts at its beginning is put on the bodies, the driven body is put where the law has it, and
+        pymunk moves the bodies by their rates and finds new rates by sweeps over the joints' impulses. The first step
+        has more sweeps, as no impulses are known before it. Impulses are kept at the samples: over the step's size
+        they are the joints' forces. The budget of processor time ends a run that takes too long.
+        """
         space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self._forces
         follows = self._model.drive is not None or not isinstance(self._linkage.drive.law, ConstantSpeed)
         joints = [*self.joints.values()]
@@ -175,7 +181,7 @@ class TextbookRun:
         bodies = self._model.bodies
         self._before, self._after = PropertyRecorder(bodies.values()), PropertyRecorder(bodies.values())
         constant = scene.of_type(Force).values()
-        self._loads = [(bodies[at.body], at.force, pair(linkage.arm(at.body, at.at))) for at in constant]
+        self._loads = [(bodies[load.body], load.force, pair(linkage.arm(load.body, load.at))) for load in constant]
         self.positions = sampling.commanded(scene)
 
     @property
@@ -210,7 +216,7 @@ class TextbookRun:
         return Motions(after[..., :3], after[..., 3:], (after[..., 3:] - before[..., 3:]) / self.steps.size)
 
 
-@lru_cache(STARTS)
+@lru_cache(MAX_STARTS)
 def _before(scene: Scene, masses: Masses, dt: float, wanted: int) -> tuple[int, PoseArray]:
     """The number of steps before t = 0, as wanted or fewer, and the pose there; once a scene, masses and steps."""
     linkage, start = begun(scene, masses)

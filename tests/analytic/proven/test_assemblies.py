@@ -178,7 +178,7 @@ def test_where_a_dyad_can_turn_by_itself_not_all_is_known() -> None:
 
 
 def test_a_group_that_is_too_large_has_the_pose_that_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("analytic.proven.assemblies.TOO_MANY", 10)
+    monkeypatch.setattr("analytic.proven.assemblies.MAX_BOXES", 10)
     every = analytic.assemblies(scenes.load("class_iii"))
     assert [one.meant for one in every.found] == [True]
     assert not every.complete

@@ -124,4 +124,4 @@ def test_a_turn_closes_where_the_last_box_has_the_first_one_s_pose(
     found = branches.branches(poses, (edges[:-1], edges[1:]), 1000, periodic=periodic)
     doubtful = np.flatnonzero(np.isnan(found.poses.rest).any(axis=0))
     assert [*doubtful] == [0, len(found.low) - 1][:unknown]
-    assert ((found.high - found.low)[doubtful] <= branches.LEAST).all()
+    assert ((found.high - found.low)[doubtful] <= branches.MIN_BOX).all()

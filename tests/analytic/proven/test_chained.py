@@ -51,7 +51,7 @@ def row(count: int, turned: float = 0.0, off: float = 0.0, seed: int = 0, **chan
 @pytest.fixture
 def chained(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have all dyads of two bars be one system, where there are several."""
-    monkeypatch.setattr("analytic.proven.boxes.ALONE", 0)
+    monkeypatch.setattr("analytic.proven.boxes.MAX_ALONE", 0)
 
 
 SCENES: dict[str, Callable[[], Scene]] = {
@@ -105,7 +105,7 @@ def test_where_a_dyad_does_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(Failure, match="B2 cannot be reached"):
         analytic.solve(scene, [scene.sketch.drive - 2.4])
     closed = analytic.enclose(scene, frozenset({"B4.x"}))
-    monkeypatch.setattr("analytic.proven.boxes.ALONE", 0)
+    monkeypatch.setattr("analytic.proven.boxes.MAX_ALONE", 0)
     found = analytic.enclose(scene, frozenset({"B4.x"}))
     assert found.why == closed.why == "B2 cannot be reached"
     assert found.open_at == closed.open_at

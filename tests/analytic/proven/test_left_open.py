@@ -112,9 +112,9 @@ def test_friction_that_contracts_is_enclosed(case: str) -> None:
 )
 def test_what_is_not_proven_has_a_reason(most: int, count: int, why: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Parallelograms in a row, by closed forms, of which bounds are some times as wide as those of the one before."""
-    monkeypatch.setattr("analytic.proven.boxes.MOST", most)
-    monkeypatch.setattr("analytic.proven.boxes.FEW", count)
-    monkeypatch.setattr("analytic.proven.boxes.ALONE", count)
+    monkeypatch.setattr("analytic.proven.boxes.MAX_BOXES", most)
+    monkeypatch.setattr("analytic.proven.boxes.MAX_TIGHT", count)
+    monkeypatch.setattr("analytic.proven.boxes.MAX_ALONE", count)
     found = analytic.enclose(windows(count), frozenset({f"B{count}.x"}))
     assert found.open_at is not None
     assert why in found.why

@@ -52,9 +52,9 @@ LEFT_OUT: dict[str, tuple[tuple[Any, str, str, str], tuple[str, ...]]] = {
     "a product's rounding": ((MODEL, "__mul__", "ROUNDED * other_most", "0.0"), ("multiply",)),
     "what a product drops": ((MODEL, "__mul__", "dropped + ", ""), ("multiply",)),
     "a product of two slopes": ((MODEL, "__mul__", "c[2] += a[1] * b[1]", "pass"), ("multiply",)),
-    "a product of parameters": ((MODEL, "__mul__", " + beside * other_moving", ""), ("multiply",)),
+    "a product of parameters": ((MODEL, "__mul__", " + bent * other_moving", ""), ("multiply",)),
     "a product of two rests": ((MODEL, "__mul__", "(other_most + other.rest)", "other_most"), ("multiply",)),
-    "what underflows": ((MODEL, "__mul__", " + TINY", ""), ("multiply",)),
+    "what underflows": ((MODEL, "__mul__", " + UNDERFLOW", ""), ("multiply",)),
     "the third derivative": (
         (taylor_models, "_composed", " + third * D**3", ""),
         ("sin", "cos", "tanh", "sqrt", "divide", "arctan2"),
@@ -83,7 +83,7 @@ LEFT_OUT: dict[str, tuple[tuple[Any, str, str, str], tuple[str, ...]]] = {
     ),
     "one of two that are chosen from": ((taylor_models, "_where", "np.minimum(a, c)", "a"), ("where",)),
 }
-CONSTANTS = {"ROUNDED": (0.0, "add"), "FUNCTION": (0.0, "sin"), "UP": (1.0, "add"), "TINY": (0.0, "multiply")}
+CONSTANTS = {"ROUNDED": (0.0, "add"), "FUNCTION": (0.0, "sin"), "UP": (1.0, "add"), "UNDERFLOW": (0.0, "multiply")}
 SYSTEMS = {
     "the rest of a matrix": (systems, "gains", " + rest + ", " + "),
     "the rest of what is open": (systems, "contracted", "left.most + left.rest", "left.most"),
@@ -104,7 +104,7 @@ def test_no_constant_is_for_nothing(name: str, monkeypatch: pytest.MonkeyPatch) 
     value, rule = CONSTANTS[name]
     monkeypatch.setattr(taylor_models, name, value)
     if name == "UP":  # what underflows is more than its share of small rests
-        monkeypatch.setattr(taylor_models, "TINY", 0.0)
+        monkeypatch.setattr(taylor_models, "UNDERFLOW", 0.0)
     assert escaped(rule)
 
 

@@ -72,7 +72,7 @@ def test_junk_in_the_file_does_not_count(junk: bytes, file: Path) -> None:
 
 
 def test_a_line_without_end_is_read_in_parts(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("compare.engines.kept.MOST", MOST)
+    monkeypatch.setattr("compare.engines.kept.MAX_BYTES", MOST)
     file.parent.mkdir()
     with file.open("wb") as junk:
         junk.truncate(20 * MOST)  # which takes no room

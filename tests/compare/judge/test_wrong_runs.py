@@ -58,7 +58,7 @@ def test_too_few_sweeps_never_pass(reference: Reference, sweeps: int) -> None:
 @SLOW
 def test_undamped_oscillation_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Trapezoidal steps do not damp: begun nearly singular, they oscillate, 130 times as high as all else."""
-    monkeypatch.setattr(exudyn_stepping, "SINGULAR_SPEED", np.inf)
+    monkeypatch.setattr(exudyn_stepping, "MAX_SPEED_RATIO", np.inf)
     settings = TimeStepping("", steps=360, richardson=False, solver="TrapezoidalIndex2")
     wrong = measured(scene_files.load("slotted_class_iii"), "exudyn", settings, Sampling(60))
     assert (wrong.run.status, wrong.run.found_by) == (Status.inconsistent, "checks")

@@ -170,7 +170,7 @@ def test_of_many_bodies_a_length_is_sought_at_few_samples(
 
     many = registry.many
     monkeypatch.setattr(registry, "many", counted)
-    monkeypatch.setattr(numbers, "WORK", 2.8e4)
+    monkeypatch.setattr(numbers, "MAX_SLOPE_NUMBERS", 2.8e4)
     named = cause(reference, SAMPLING, motion)
     assert (named.kind, named.place) == (kind, place)
     assert words(reference.scene, named).endswith(amount)

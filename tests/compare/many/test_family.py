@@ -105,7 +105,7 @@ def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
 @SLOW
 def test_many_members_are_drawn_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("figures.many", "pages.many"):
-        monkeypatch.setattr(f"compare.report.{module}.MOST_LINES", 5)
+        monkeypatch.setattr(f"compare.report.{module}.MAX_LINES", 5)
     page = page_of(tmp_path, "drive.speed=10:17:8")
     assert "5 of the 8 members that run" in page
     curves = unpacked(page)[1]

@@ -11,7 +11,7 @@ import pytest
 import scenes
 from compare.mechanics.reference import uncertified
 from compare.report.linkage.drawing import PX, Drawing
-from compare.report.linkage.svg import FRAMES, by_itself, picture
+from compare.report.linkage.svg import MAX_FRAMES, by_itself, picture
 from scenes import Motion, Scene
 from scenes.channels import named
 from tests import scene_files
@@ -192,14 +192,14 @@ def test_the_picture_is_the_same_at_any_size(references: References) -> None:
 def test_one_svg_moves_by_itself(references: References) -> None:
     scene, motion = references("shaper").scene, commanded(references("shaper"))
     drawing = Drawing(scene, motion)
-    text = by_itself(drawing, FRAMES)
+    text = by_itself(drawing, MAX_FRAMES)
     assert "<script" not in text
     root = fromstring(text)
     rocker = part(root, "rocker")
     name = str(rocker.get("style")).split()[1]
     frames = re.search(rf"@keyframes {name} {{(.*)}}", str(root[0].text))
     other = Drawing(scene, Motion({c: v[::2] for c, v in motion.samples.items()}))
-    assert name not in by_itself(other, FRAMES), "two on one page"
+    assert name not in by_itself(other, MAX_FRAMES), "two on one page"
     assert frames is not None
     steps = re.findall(r"([\d.]+)%{transform:translate\(([^)]*)\) rotate\(([^)]*)deg\)}", frames[1])
     assert len(steps) == 73

@@ -11,10 +11,10 @@ import pandas as pd
 import pytest
 
 from compare.report.figures import curves
-from compare.report.figures.figure import CURVE, extremes
+from compare.report.figures.figure import MAX_POINTS, extremes
 from compare.report.figures.speed import work_precision
 from compare.report.linkage.moving import SAMPLES, MovingPicture
-from compare.report.pages.html import ROWS, first, packed, shortened
+from compare.report.pages.html import MAX_ROWS, first, packed, shortened
 from compare.report.pages.report import page
 from compare.study import Study
 from scenes import Motion, Sampling, load
@@ -139,7 +139,7 @@ def test_one_sample_in_many_is_drawn(row: int, size: float) -> None:
     y[row] = size
     rows = extremes(x, y)
     assert row in rows
-    assert len(rows) <= CURVE
+    assert len(rows) <= MAX_POINTS
     assert rows[[0, -1]].tolist() == [0, 359_999]
     assert (np.diff(rows) > 0).all()
 
@@ -157,7 +157,7 @@ def test_local_extremes_and_those_of_a_path_are_drawn() -> None:
 def test_of_many_joints_the_worst_are_drawn_and_the_rest_is_named(
     result: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(curves, "FIGURES", 5)
+    monkeypatch.setattr(curves, "MAX_PANELS", 5)
     errors = result.measurements[1].errors
     errors = [row._replace(max=np.nan) if row.channel == "P2.fy" else row for row in errors]
     spoilt = replace(result, measurements=[result.measurements[0], replace(result.measurements[1], errors=errors)])
@@ -172,8 +172,8 @@ def test_long_tables_show_the_worst_rows_and_where_the_rest_is() -> None:
     table = pd.DataFrame({"channel": [f"c{n}" for n in range(1000)], "max": np.arange(1000.0)})
     table.loc[3, "max"] = np.nan
     columns, rows, left_out = shortened(table.to_dict("records"), "max", "errors.csv")
-    assert (columns, len(rows)) == (["channel", "max"], ROWS)
+    assert (columns, len(rows)) == (["channel", "max"], MAX_ROWS)
     assert [channel for channel, _ in rows[:2]] == ["c3", "c999"]
     assert "c700" not in [channel for channel, _ in rows]
-    assert left_out == f"The {ROWS} rows with the largest max, of 1000; all are in errors.csv."
-    assert first(map(str, range(1000)))[ROWS].startswith("And 800 more")
+    assert left_out == f"The {MAX_ROWS} rows with the largest max, of 1000; all are in errors.csv."
+    assert first(map(str, range(1000)))[MAX_ROWS].startswith("And 800 more")

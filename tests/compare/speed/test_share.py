@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare.judge.measure import measure
-from compare.measure.speed.share import LEFT_OUT, THIRD
+from compare.measure.speed.share import LEFT_OUT, MAX_SHARE
 from compare.measure.speed.speed_table import NO_CLOCK, Budget, speed_table
 from compare.mechanics.reference import Reference
 from compare.report.pages.report import page
@@ -43,7 +43,7 @@ def test_a_table_takes_its_share_and_names_what_did_not_fit(
     monkeypatch.setattr(StubEngine, "WORK_PRECISION", settings)
     ran = told_what_runs(monkeypatch)
     stub.clock.now = 5.0
-    budget = Budget(rounds=99, seconds=inf, share=THIRD, since=2.0)
+    budget = Budget(rounds=99, seconds=inf, share=MAX_SHARE, since=2.0)
     speed = speed_table(reference, ["stub"], budget, quiet)
     assert stub.clock.now - 5.0 <= 1.5
     rows = {row.setting: row for row in speed}

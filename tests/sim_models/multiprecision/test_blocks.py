@@ -15,7 +15,7 @@ from tests.chain import chain
 flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402
-from sim_models.multiprecision.rows import AT_ONCE, solved  # noqa: E402
+from sim_models.multiprecision.rows import MAX_AT_ONCE, solved  # noqa: E402
 
 SIZES = (1, 3, 6, 1, 2, 5)  # of diagonal blocks: more equations than are solved at once
 
@@ -45,7 +45,7 @@ def test_solutions_are_those_of_the_whole_matrix() -> None:
 
 
 def test_a_matrix_without_an_order_is_one_block_and_singular_where_it_is() -> None:
-    for count in (3, AT_ONCE + 1):
+    for count in (3, MAX_AT_ONCE + 1):
         values = np.ones((count, count))
         values[:2, 1:] = 0  # two equations for one unknown
         found = groups(pattern(values))

@@ -36,8 +36,8 @@ def test_two_links_near_their_lock_at_once_stay_on_their_branches(gap: float) ->
 def test_contraction_of_newton_alone_keeps_the_branch(monkeypatch: pytest.MonkeyPatch) -> None:
     """The other guards off, a third of a turn is offered as one step; uncontracted Newton then flips the press."""
     toggle = named("toggle_press", 720)
-    monkeypatch.setattr(multiprecision_continuation, "HOMOTOPY", np.inf)
-    monkeypatch.setattr(multiprecision_continuation, "LARGEST_TURN", 10.0)
+    monkeypatch.setattr(multiprecision_continuation, "MAX_HOMOTOPY", np.inf)
+    monkeypatch.setattr(multiprecision_continuation, "MAX_TURN", 10.0)
     leaping = run(scenes.load("toggle_press"), samples=3)
     assert np.abs(leaping["P5.y"] - toggle["P5.y"][::240]).max() <= 4 * EPS  # the angles differ by rounding
 

@@ -121,7 +121,7 @@ def test_what_cannot_drive_between_moving_bodies_is_refused(monkeypatch: pytest.
         with pytest.raises(Failure, match=reason) as caught:
             solve(scene_files.load(name), settings)
         assert caught.value.status is Status.unsupported
-    monkeypatch.setattr("sim_models.pymunk.sweeps.MOST", 50)
+    monkeypatch.setattr("sim_models.pymunk.sweeps.MAX_SWEEPS", 50)
     enough_sweeps.cache_clear()
     with pytest.raises(Failure, match="a step would need") as caught:
         solve(scene_files.load("lift"))
