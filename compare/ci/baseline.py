@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 from scenes import Scene
 from scenes.errors import one_line, path_in_file
 from scenes.fields import quantity_at
-from scenes.scene import units_of_all
+from scenes.units import units_of_all
 
 from ..mechanics.quantities import spelled
 from ..report.output.earlier import Change, Json, Summary, SummaryError

@@ -15,7 +15,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.model.inputs import inputs_of
-from scenes.scene import SI
+from scenes.units import SI
 
 from .axis import fixed, prefixed
 from .reference import Reference

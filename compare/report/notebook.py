@@ -9,7 +9,7 @@ import pandas as pd
 from scenes.channels import TIME
 from scenes.errors import nearest
 from scenes.model.motion import sparkline
-from scenes.scene import SI
+from scenes.units import SI
 
 from ..judge.errors import ChannelError
 from ..measure.many.family import Family

@@ -10,7 +10,7 @@ from math import nan, pi
 from typing import Any
 
 from ..errors import InputError, nearest, one_line
-from ..scene import units_of_all
+from ..units import units_of_all
 from .format import Units
 
 _USUAL = {  # how many of the SI unit, the first, which a file has where it names none, each is

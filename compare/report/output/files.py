@@ -13,7 +13,7 @@ from scenes import InputError, Motion, Sampling, Scene, shipped
 from scenes.file.toml import read_text
 from scenes.model.enclosures import Assemblies, Enclosure
 from scenes.model.motion import header
-from scenes.scene import SI
+from scenes.units import SI
 
 from ...engines.kept import environment
 from ...engines.registry import route, stopped
