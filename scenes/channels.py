@@ -47,7 +47,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from . import quantities
 from .elements.friction import PinFriction
-from .quantities import POWER, TIME, TO_LOCK, TRANSMISSION, Channel, Kind, Names, Quantity, Role, named
+from .quantities import POWER, TIME, TO_LOCK, TRANSMISSION, Channel, ChannelQuantity, Kind, Names, Role, named
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -186,11 +186,13 @@ def own_channel(joint: str, quantity: str) -> str:
     return f"{joint}.{quantity}"
 
 
-def _of_drive(quantity: Quantity) -> str:
+def _of_drive(quantity: ChannelQuantity) -> str:
     return quantity.name if quantity.name == "crank_angle" else f"drive.{quantity.name}"
 
 
-def _vector(role: Role, kind: Kind, subject: str, quantities: tuple[Quantity, ...], point: str) -> Iterator[Channel]:
+def _vector(
+    role: Role, kind: Kind, subject: str, quantities: tuple[ChannelQuantity, ...], point: str
+) -> Iterator[Channel]:
     """Yield both components of a vector."""
     names = tuple(f"{subject}.{quantity.name}" for quantity in quantities)
     for name, quantity in zip(names, quantities, strict=True):

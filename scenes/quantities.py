@@ -10,7 +10,7 @@ TO_LOCK = "to_lock"
 POWER = "friction.power"
 
 
-class Quantity(NamedTuple):
+class ChannelQuantity(NamedTuple):
     """What a channel measures; those of one name have one unit."""
 
     name: str
@@ -22,31 +22,34 @@ class Quantity(NamedTuple):
 
 
 POINT = tuple(
-    Quantity(f"{letter}{axis}", unit, group, order, axis)
+    ChannelQuantity(f"{letter}{axis}", unit, group, order, axis)
     for order, (letter, unit, group) in enumerate(
         (("", "m", "position"), ("v", "m/s", "velocity"), ("a", "m/s^2", "acceleration"))
     )
     for axis in "xy"
 )
 BODY = (
-    Quantity("angle", "rad", "position", 0, modulo_turn=True),
-    Quantity("omega", "rad/s", "velocity", 1),
-    Quantity("alpha", "rad/s^2", "acceleration", 2),
+    ChannelQuantity("angle", "rad", "position", 0, modulo_turn=True),
+    ChannelQuantity("omega", "rad/s", "velocity", 1),
+    ChannelQuantity("alpha", "rad/s^2", "acceleration", 2),
 )
-PIN = Quantity("fx", "N", "reaction", axis="x"), Quantity("fy", "N", "reaction", axis="y")
-GUIDE_AXES = Quantity("guide_fx", "N", "reaction", axis="x"), Quantity("guide_fy", "N", "reaction", axis="y")
-GUIDE = Quantity("guide_force", "N", "reaction"), Quantity("guide_moment", "N*m", "reaction")
-INSTANT = Quantity(TIME, "s")
-TURNED = Quantity("crank_angle", "rad", "drive", 0), Quantity("torque", "N*m", "torque")
-SLID = Quantity("displacement", "m", "drive", 0), Quantity("force", "N", "force")
+PIN = ChannelQuantity("fx", "N", "reaction", axis="x"), ChannelQuantity("fy", "N", "reaction", axis="y")
+GUIDE_AXES = (
+    ChannelQuantity("guide_fx", "N", "reaction", axis="x"),
+    ChannelQuantity("guide_fy", "N", "reaction", axis="y"),
+)
+GUIDE = ChannelQuantity("guide_force", "N", "reaction"), ChannelQuantity("guide_moment", "N*m", "reaction")
+INSTANT = ChannelQuantity(TIME, "s")
+TURNED = ChannelQuantity("crank_angle", "rad", "drive", 0), ChannelQuantity("torque", "N*m", "torque")
+SLID = ChannelQuantity("displacement", "m", "drive", 0), ChannelQuantity("force", "N", "force")
 RUBBING_PIN, RUBBING_GUIDE = (
-    Quantity("friction_moment", "N*m", "reaction"),
-    Quantity("friction_force", "N", "reaction"),
+    ChannelQuantity("friction_moment", "N*m", "reaction"),
+    ChannelQuantity("friction_force", "N", "reaction"),
 )
-LOST = Quantity("power", "W", "reaction")
-GROUP = Quantity(TRANSMISSION, "rad", "position"), Quantity(TO_LOCK, "m", "position")
-RATES = Quantity("speed", "m/s", "velocity", 1), Quantity("acceleration", "m/s^2", "acceleration", 2)
-LENGTH_OF_FORCE = Quantity("force", "N", "reaction")
+LOST = ChannelQuantity("power", "W", "reaction")
+GROUP = ChannelQuantity(TRANSMISSION, "rad", "position"), ChannelQuantity(TO_LOCK, "m", "position")
+RATES = ChannelQuantity("speed", "m/s", "velocity", 1), ChannelQuantity("acceleration", "m/s^2", "acceleration", 2)
+LENGTH_OF_FORCE = ChannelQuantity("force", "N", "reaction")
 QUANTITIES = (INSTANT, *POINT, *BODY, *PIN, *GUIDE, *TURNED, *SLID, RUBBING_PIN, RUBBING_GUIDE, LOST)
 QUANTITIES += (*GROUP, *RATES)
 _BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
@@ -54,7 +57,7 @@ _BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 DIMENSIONS = {"m": "length", "rad": "angle", "N": "force", "N*m": "moment", "m/s": "sliding_rate"}
 
 
-def named(column: str) -> Quantity:
+def named(column: str) -> ChannelQuantity:
     """What a column measures, `P5.y`, by the end of its name: of a table or a report whose scene is not known."""
     return _BY_NAME[column.rpartition(".")[2]]
 
@@ -87,7 +90,7 @@ class Channel:
     role: Role
     kind: Kind  # of its subject: points, bodies, pins and guides may have the same names
     subject: str  # the point, the body, the pin's `Pin.channel`, the slider, the driven body, the group's inner joint
-    measured: Quantity
+    measured: ChannelQuantity
     components: Names = ()  # of the vector whose component, or whose length, it is: its x and its y
     point: str = ""  # where it is: the point, the pin's, or the first of its body
 

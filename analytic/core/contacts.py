@@ -25,7 +25,7 @@ TINY = 1e-300  # N, which changes no load but none
 Unit: TypeAlias = Mapping[str, ActingForce]  # what one unit of a friction does, by body
 
 
-class Contact(ABC):
+class RubbingContact(ABC):
     """What one type of friction is by; `one` is a friction of that type."""
 
     @abstractmethod
@@ -57,7 +57,7 @@ class Contact(ABC):
         """The load X."""
 
 
-class PinContact(Contact):
+class RubbingPin(RubbingContact):
     """A pin in its hole."""
 
     def factor(self, one: PinFriction, mu: Any) -> Any:
@@ -96,7 +96,7 @@ class PinContact(Contact):
         return pins[one.at, second] if (one.at, second) in pins else -reduce(np.add, others)
 
 
-class GuideContact(Contact):
+class RubbingGuide(RubbingContact):
     """A slider in its guide, which touches at both ends of the contact."""
 
     def factor(self, one: GuideFriction, mu: Any) -> Any:  # noqa: ARG002
@@ -134,4 +134,4 @@ class GuideContact(Contact):
         return N + 1j * (M * (2 / one.length))
 
 
-CONTACTS: Mapping[type[Friction], Contact] = {PinFriction: PinContact(), GuideFriction: GuideContact()}
+CONTACTS: Mapping[type[Friction], RubbingContact] = {PinFriction: RubbingPin(), GuideFriction: RubbingGuide()}

@@ -23,7 +23,7 @@ import numpy as np
 from scenes.elements.friction import Friction
 from scenes.model.motion import Samples
 
-from .contacts import CONTACTS, Contact
+from .contacts import CONTACTS, RubbingContact
 from .dyads import dot
 from .numbers import chosen
 
@@ -52,7 +52,7 @@ class Rubbing:
         return self.sense * self.contact.factor(self.of, factor * self.share * self.of.coefficient)
 
     @property
-    def contact(self) -> Contact:
+    def contact(self) -> RubbingContact:
         """The rule of its joint."""
         return CONTACTS[type(self.of)]
 

@@ -14,7 +14,7 @@ from scenes.model.motion import Samples
 from .motion_vectors import MotionVectors
 
 
-class Contact(ABC):
+class JudgedContact(ABC):
     """What one type of friction is by; `one` is a friction of that type."""
 
     turns: bool  # whether its parts turn on each other, else they slide
@@ -39,7 +39,7 @@ class Contact(ABC):
         """By how much a newton more in every joint of a linkage of a size, m, is more of the load."""
 
 
-class PinContact(Contact):
+class JudgedPin(JudgedContact):
     """A pin in its hole."""
 
     turns = True
@@ -64,7 +64,7 @@ class PinContact(Contact):
         return 1.0
 
 
-class GuideContact(Contact):
+class JudgedGuide(JudgedContact):
     """A slider in its guide, which touches at both ends of the contact."""
 
     turns = False
@@ -90,4 +90,4 @@ class GuideContact(Contact):
         return 1 + 2 * size / one.length
 
 
-CONTACTS: Mapping[type[Friction], Contact] = {PinFriction: PinContact(), GuideFriction: GuideContact()}
+CONTACTS: Mapping[type[Friction], JudgedContact] = {PinFriction: JudgedPin(), GuideFriction: JudgedGuide()}

@@ -29,7 +29,7 @@ class Wrench(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Situation:
+class LoadedPose:
     """What forces depend on, at one time or at many."""
 
     scene: Scene
@@ -51,28 +51,28 @@ class Situation:
         return length
 
 
-def applied(at: Situation) -> Iterator[Wrench]:
+def applied(at: LoadedPose) -> Iterator[Wrench]:
     """Yield what all loads and springs do."""
     for place, element in at.scene.elements:
         yield from RULES[type(element)](element, place, at)
 
 
-def _force(load: Force, _: str, at: Situation) -> Iterator[Wrench]:
+def _force(load: Force, _: str, at: LoadedPose) -> Iterator[Wrench]:
     return at.on_body(load, complex(*load.force))
 
 
-def _press(load: PressForce, place: str, at: Situation) -> Iterator[Wrench]:
+def _press(load: PressForce, place: str, at: LoadedPose) -> Iterator[Wrench]:
     acts = load.acts(*at.slid(load.body), at.ends[place])
     return at.on_body(load, acts * complex(*load.force))
 
 
-def _force_table(load: ForceTable, _: str, at: Situation) -> Iterator[Wrench]:
+def _force_table(load: ForceTable, _: str, at: LoadedPose) -> Iterator[Wrench]:
     assert load.table is not None
     displacement, _velocity = at.slid(load.body)
     return at.on_body(load, complex(*at.scene.slides[load.body].along) * load.table.at(displacement))
 
 
-def _spring(spring: Spring, _: str, at: Situation) -> Iterator[Wrench]:
+def _spring(spring: Spring, _: str, at: LoadedPose) -> Iterator[Wrench]:
     first, second = (at.place(end) for end in spring.ends)
     way = second - first
     relaxed = spring.length * way / at.apart(spring, way) if spring.length else 0
@@ -81,14 +81,14 @@ def _spring(spring: Spring, _: str, at: Situation) -> Iterator[Wrench]:
     yield Wrench(spring.second[0], second, -pull)
 
 
-def _constant_force_spring(spring: ConstantForceSpring, _: str, at: Situation) -> Iterator[Wrench]:
+def _constant_force_spring(spring: ConstantForceSpring, _: str, at: LoadedPose) -> Iterator[Wrench]:
     first, second = (at.place(end) for end in spring.ends)
     pull = spring.force * (second - first) / at.apart(spring, second - first)
     yield Wrench(spring.first[0], first, pull)
     yield Wrench(spring.second[0], second, -pull)
 
 
-RULES: Mapping[type[Element], Callable[[Any, str, Situation], Iterator[Wrench]]] = {
+RULES: Mapping[type[Element], Callable[[Any, str, LoadedPose], Iterator[Wrench]]] = {
     Force: _force,
     PressForce: _press,
     ForceTable: _force_table,

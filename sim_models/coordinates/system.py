@@ -17,7 +17,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .bodies import MovingBody, framed_body, linkage_size
-from .loads import SHORTEST_SPRING, Situation, Wrench, applied
+from .loads import SHORTEST_SPRING, LoadedPose, Wrench, applied
 
 MAX_CONTRACTION = 0.25  # of a correction to the one before
 MAX_FIRST_CORRECTION = 0.1  # of a step
@@ -219,4 +219,4 @@ class System:
             displacement, velocity, _ = self.slid(bodies, slider)
             return displacement.real, velocity.real
 
-        return applied(Situation(self.scene, ends, slid, place, SHORTEST_SPRING * self.size))
+        return applied(LoadedPose(self.scene, ends, slid, place, SHORTEST_SPRING * self.size))

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 TURN = 2  # of x, y and the angle of a body
 
 
-class Contact(ABC):
+class ExudynContact(ABC):
     """What one type of friction is by; `one` is a friction of that type."""
 
     round: bool  # whether its load is the resultant of two parts; else the larger one
@@ -35,7 +35,7 @@ class Contact(ABC):
         """Fill in what turns or slides on the coordinates q by a unit of it, both of shape (n, 3 bodies)."""
 
 
-class PinContact(Contact):
+class ExudynPin(ExudynContact):
     """A pin in its hole."""
 
     round = True
@@ -55,7 +55,7 @@ class PinContact(Contact):
                 B[:, 3 * [*system.bodies].index(body) + TURN] = sign
 
 
-class GuideContact(Contact):
+class ExudynGuide(ExudynContact):
     """A slider in its guide, which touches at both ends of the contact."""
 
     round = False
@@ -82,4 +82,4 @@ class GuideContact(Contact):
                 B[:, number : number + 3] = sign * np.stack([along.real, along.imag, turns], axis=1)
 
 
-CONTACTS: Mapping[type[Friction], Contact] = {PinFriction: PinContact(), GuideFriction: GuideContact()}
+CONTACTS: Mapping[type[Friction], ExudynContact] = {PinFriction: ExudynPin(), GuideFriction: ExudynGuide()}

@@ -14,7 +14,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import MovingBody
-from ..coordinates.loads import Situation, Wrench, applied
+from ..coordinates.loads import LoadedPose, Wrench, applied
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.system import System
 from .engine import MujocoSettings
@@ -117,7 +117,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
             return size * complex(*data.site(":".join(end)).xpos[:2])
 
         data.xfrc_applied[:] = 0
-        for wrench in applied(Situation(self._scene, self._ends, slid, place, SHORTEST_SPRING * size)):
+        for wrench in applied(LoadedPose(self._scene, self._ends, slid, place, SHORTEST_SPRING * size)):
             if wrench.body != GROUND:
                 body, force = data.body(wrench.body), wrench.force / units.force
                 moment = wrench.about(size * complex(*body.xipos[:2])) / (units.force * size)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # which kinds there are rules for is asked without python-fli
     from .rows import EquationRows
 
 
-class Rubbing(NamedTuple):
+class RubbingBalls(NamedTuple):
     """A joint with friction."""
 
     joint: int  # its number among pins and then slides
@@ -23,25 +23,25 @@ class Rubbing(NamedTuple):
     radius: arb | None  # at which it resists, m; None of a force
 
 
-def _pin(one: PinFriction, linkage: LinkageEquations) -> Rubbing:
+def _pin(one: PinFriction, linkage: LinkageEquations) -> RubbingBalls:
     from flint import arb, arb_mat
 
     first, second = one.joined(linkage.scene)
     work = linkage.rows(1)
     linkage.add_angle(work, 0, second, first)
     joint = linkage.scene.pins.index(one.pin(linkage.scene))
-    return Rubbing(joint, work, [arb_mat([[1, 0], [0, 1]])], arb(one.radius))
+    return RubbingBalls(joint, work, [arb_mat([[1, 0], [0, 1]])], arb(one.radius))
 
 
-def _guide(one: GuideFriction, linkage: LinkageEquations) -> Rubbing:
+def _guide(one: GuideFriction, linkage: LinkageEquations) -> RubbingBalls:
     from flint import arb, arb_mat
 
     joint = len(linkage.scene.pins) + list(linkage.scene.slides).index(one.slider)
     ends = [arb_mat([[arb(0.5), end / arb(one.length)]]) for end in (1, -1)]
-    return Rubbing(joint, linkage.displacement(one.slider), ends, None)
+    return RubbingBalls(joint, linkage.displacement(one.slider), ends, None)
 
 
-CONTACTS: Mapping[type[Friction], Callable[[Any, LinkageEquations], Rubbing]] = {
+CONTACTS: Mapping[type[Friction], Callable[[Any, LinkageEquations], RubbingBalls]] = {
     PinFriction: _pin,
     GuideFriction: _guide,
 }

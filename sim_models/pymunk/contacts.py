@@ -21,7 +21,7 @@ class Largest(NamedTuple):
     moving: Samples  # speed of all points, m/s
 
 
-class Contact(ABC):
+class PymunkContact(ABC):
     """What one type of friction is by; `one` is a friction of that type."""
 
     sides: bool  # whether its load is the larger of two parts; else their resultant
@@ -51,7 +51,7 @@ class Contact(ABC):
         """The line across a guide, by two places at a reach, m, and the point on it; none of a pin."""
 
 
-class PinContact(Contact):
+class PymunkPin(PymunkContact):
     """A pin in its hole."""
 
     sides = False
@@ -82,7 +82,7 @@ class PinContact(Contact):
         return ()
 
 
-class GuideContact(Contact):
+class PymunkGuide(PymunkContact):
     """A slider in its guide, which touches at both ends of the contact."""
 
     sides = True
@@ -113,4 +113,4 @@ class GuideContact(Contact):
         return middle - across, middle + across, linkage.first_arm(one.slider)
 
 
-CONTACTS: Mapping[type[Friction], Contact] = {PinFriction: PinContact(), GuideFriction: GuideContact()}
+CONTACTS: Mapping[type[Friction], PymunkContact] = {PinFriction: PymunkPin(), GuideFriction: PymunkGuide()}
