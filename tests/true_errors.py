@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 import analytic
 from scenes import Failure, Motion, Sampling, Scene
@@ -109,7 +110,10 @@ class Truth:
         return self.fifty[sampling]
 
     def left(self, sampling: Sampling) -> dict[str, Samples]:
-        """Return by vector what all numbers, and the instants, being four last places off make of it, shape (n,)."""
+        """Return by vector what all numbers, and the instants, being four last places off make of it, shape (n,).
+
+        At a single sample the few draws may all but cancel: each has the largest of its own and of both beside it.
+        """
         time, chance, found = sampling.times(self.scene), np.random.default_rng(1), dict[str, Samples]()
         numbers = {number.at: number.value for number in walk(self.scene) if number.at[-2] not in FIXED}
         for _ in range(DRAWS):
@@ -119,7 +123,7 @@ class Truth:
             moved = analytic.solve(other, position, time * off[-1]).samples
             for name, error in self._errors(moved, self.by_fifty(sampling)):
                 found[name] = np.maximum(found.get(name, 0.0), error)
-        return found
+        return {name: maximum_filter1d(error, 3) for name, error in found.items()}
 
     def errors(self, motion: Motion, sampling: Sampling) -> dict[str, Samples]:
         """Return the errors of a motion by vector, shape (n,); on a press force's switch on the side that fits best.
@@ -251,7 +255,10 @@ class Truth:
         """Return at which arm forces make a moment, m; one of a force."""
         if channel.endswith("guide_moment"):
             return self._reach(channel)
-        return max(self._travels.values()) if channel == "drive.torque" else 1.0
+        if channel != "drive.torque":
+            return 1.0
+        drawn = [self.scene.drawn[point] for point in self.scene.bodies[self.scene.drive.body].points]
+        return max(abs(one - other) for one in drawn for other in drawn)  # however small the stroke
 
 
 def _vector(motion: Channels, stem: str) -> Vectors:

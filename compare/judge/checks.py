@@ -198,7 +198,11 @@ def estimate(
 def _rounded(
     mechanics: Mechanics, motion: Motion, true: Motion, scale: Mapping[str, float], ends: Sequence[float] | None
 ) -> dict[str, Samples]:
-    """By how much the projection of a motion moves when numbers and drive are a few last places off, shape (n,)."""
+    """By how much the projection of a motion moves when numbers and drive are a few last places off, shape (n,).
+
+    At a single sample the few draws of signs may all but cancel, where those beside it do not: each sample has the
+    largest of its own and of both neighbours'.
+    """
     moved: dict[str, Samples] = {}
     for other, (position, time) in zip(mechanics.perturbed, mechanics.rounded_drive(motion), strict=True):
         rounded = Motion({**motion.samples, mechanics.scene.drive_channel: position, "time": time})
@@ -206,7 +210,13 @@ def _rounded(
         neighbour = Motion({**projection.closed.samples, **projection.forces})
         for channel, error in relative_errors(mechanics.scene.channels, neighbour, true, scale).items():
             moved[channel] = np.fmax(moved.get(channel, 0.0), error)
-    return moved
+    return {channel: _of_three(error) for channel, error in moved.items()}
+
+
+def _of_three(values: Samples) -> Samples:
+    """The largest of each sample and both beside it, shape (n,)."""
+    before, after = np.append(values[:1], values[:-1]), np.append(values[1:], values[-1:])
+    return np.asarray(np.fmax(np.fmax(before, values), after))
 
 
 def _balances(
