@@ -86,8 +86,11 @@ class RubbingPin(RubbingContact):
 
     def unit(self, one: PinFriction, balance: "FrictionBalance") -> Unit:
         """A moment of 1 N m."""
-        (first, second), none, at = one.joined(balance.scene), samples(0j), balance.k.z[one.at]
-        return {second: ActingForce(none, at, samples(1.0)), first: ActingForce(none, at, samples(-1.0))}
+        (first, second), no_force, place = one.joined(balance.scene), samples(0j), balance.k.z[one.at]
+        return {
+            second: ActingForce(no_force, place, samples(1.0)),
+            first: ActingForce(no_force, place, samples(-1.0)),
+        }
 
     def load(self, one: PinFriction, balance: "FrictionBalance") -> Any:
         """The force of the pin on its later body."""

@@ -136,9 +136,9 @@ def travels(scene: Scene, motion: Motion) -> dict[str, float]:
     """The largest distance between two positions of each point of a motion, m, no less than `LEAST` of the largest."""
     places = {point: names.place for point, names in scene.channels.points.items()}
     known = {point: both for point, both in places.items() if {*both} <= motion.samples.keys()}
-    own = {point: abs(chord(motion[x] + 1j * motion[y])) for point, (x, y) in known.items()}
-    least = LEAST * max(own.values(), default=0.0)
-    return {point: max(travel, least) for point, travel in own.items()}
+    chords = {point: abs(chord(motion[x] + 1j * motion[y])) for point, (x, y) in known.items()}
+    least = LEAST * max(chords.values(), default=0.0)
+    return {point: max(travel, least) for point, travel in chords.items()}
 
 
 def chord(places: Vectors) -> complex:

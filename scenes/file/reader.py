@@ -76,8 +76,8 @@ def from_tables(tables: Mapping[str, Any], file: str = "tables") -> Scene:
         InputError: as of `load`, and for what no TOML file has.
     """
     with at_place(one_line(file)):
-        own = copied(tables)
-    return _made(own, file, {})
+        kept = copied(tables)
+    return _made(kept, file, {})
 
 
 def with_changes(scene: Scene, changes: Mapping[str, Value]) -> Scene:

@@ -117,7 +117,7 @@ class Closed:
         self.k, self.like, self.start = len(closing.coordinates), like, self._start(closing)
         self.names = [coordinate.of[0] for coordinate in closing.coordinates]
         self.outer, self.J = [expression.order for expression in closing.outer], Matrix(closing.J)
-        self.of = np.append(np.arange(self.k), self.J.row)  # the unknown that each equation, and entry, goes with
+        self.unknowns = np.append(np.arange(self.k), self.J.row)  # the unknown that each equation, and entry, goes with
         self.unit = np.append(np.zeros(self.k, np.bool_), self.J.row == self.J.column)
         entries = [closing.J[place] for place in self.J.places.tolist()]
         self.line = BoxLine([*closing.C, *entries], like, {}, {*self.outer})
@@ -141,8 +141,8 @@ class Closed:
             q = TaylorModel(c, rest)
             rows = stacked(self.line({name: q[i] for i, name in enumerate(self.names)}, known))
             # Where one has no start it and what hangs on it are left out: their equations are x = 0.
-            c, rest = (np.where(lost[self.of], 0.0, part) for part in (rows.c, rows.rest))
-            c[0] += self.unit[:, np.newaxis] & lost[self.of]
+            c, rest = (np.where(lost[self.unknowns], 0.0, part) for part in (rows.c, rows.rest))
+            c[0] += self.unit[:, np.newaxis] & lost[self.unknowns]
             return TaylorModel(c[:, :k], rest[:k]), Matrices(self.J, TaylorModel(c[:, k:], rest[k:]))
 
         exactly, lost = np.zeros((k, n)), np.isnan(start)

@@ -16,14 +16,14 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 Values: TypeAlias = NDArray[Any]  # shape (..., n) of a motion's channels, complex for a vector
-LEAST = (TRANSMISSION, TO_LOCK)  # the kinds of which the least value matters
+LEAST_MATTERS = (TRANSMISSION, TO_LOCK)  # the kinds of which the least value matters
 
 
 @dataclass(frozen=True, eq=False)
 class CycleCurve:
     """One quantity: a plane vector, or a number with a sign."""
 
-    kind: str  # displacement, path, velocity, acceleration, reaction, guide_force, guide_moment, effort, one of `LEAST`
+    kind: str  # displacement, path, velocity, acceleration, reaction, guide_force, guide_moment, effort, or a least one
     of: str  # the point, joint or body
     unit: str  # of its values
     parts: Mapping[str, Any]  # by channel, what one of its units adds; of many machines of shape (m, 1)
@@ -100,5 +100,5 @@ def _singular(scene: Scene, motion: Motion) -> Iterator[CycleCurve]:
     """Yield how far the groups of the analytic core are from a singular configuration."""
     for name in motion.samples:
         channel = scene.channels[name]
-        if channel.quantity in LEAST:
+        if channel.quantity in LEAST_MATTERS:
             yield CycleCurve(channel.quantity, channel.subject, channel.unit, {name: 1}, 1.0)

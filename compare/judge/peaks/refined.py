@@ -19,7 +19,7 @@ from scenes.scene import MotionLaw, SegmentedLaw
 from ...mechanics.elements import argument
 from ...mechanics.motion_vectors import MotionVectors
 from ..checks import closed_by
-from .curves import LEAST, CycleCurve, Values, driving
+from .curves import LEAST_MATTERS, CycleCurve, Values, driving
 from .numbers import at, chords
 
 FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
@@ -122,7 +122,7 @@ def heights(scene: Scene, followed: Sequence[CycleCurve], motion: Motion) -> Ite
             along = (chords(values)[..., np.newaxis].conj() * values).real
             yield from (along, -along)
         else:
-            yield -np.abs(values) if curve.kind in LEAST else np.abs(values)
+            yield -np.abs(values) if curve.kind in LEAST_MATTERS else np.abs(values)
 
 
 def _near_own(scene: Scene, followed: Sequence[CycleCurve], motion: Motion, shape: tuple[int, ...]) -> Samples:
