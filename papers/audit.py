@@ -95,6 +95,7 @@ def overview(claims: Mapping[str, Sequence[Claim]]) -> TableRows:
 def _formula(written: str) -> Markup:
     """A formula as HTML: letters in Greek, what follows _ and e^ below and above the line."""
     greek = re.sub("|".join(GREEK), lambda name: GREEK[name[0]], str(escape(written)))
+    # The text is escaped before any tag is put in, so that the result may be marked as safe.
     below = re.sub(r"_(\w+)", r"<sub>\1</sub>", greek)
     return Markup(re.sub(r"e\^(iθ[₁-₅]?)", r"e<sup>\1</sup>", below))  # escaped above
 

@@ -62,6 +62,8 @@ def judge(equation: Equation, variables: Symbols, scale: Scale, tolerance: float
     text = equation.correction
     apart = float(f"{printed * size:.3g}")  # of which 15 digits show no power of ten unless it is small
     computed = f"the sides differ by up to {apart:.15g} {unit}".rstrip()
+    # Forms are tried in the order of their distance from print: the printed one, another sign of a root, the
+    # correction. A correction is reported only where no choice of branch makes the printed form hold.
     if printed <= tolerance:
         verdict, text, corrected, computed = Verdict.HOLDS, "", None, "both sides agree"
     elif branched <= tolerance:
@@ -92,9 +94,13 @@ def number(
     printed claims, which contradict it; `corrected` is how it should be read, and what is computed then; the residual's
     `scale` is the printed number itself unless given.
     """
+    # A number rounds to what is printed if it is within half a unit of the last digit. The factor keeps a value that
+    # lies exactly on that end, 0.125 for "0.12" or "0.13", inside despite its binary rounding.
     value, half = float(printed), half_unit(printed) * (1 + 1e-9)
     size = abs(value) if scale is None else scale
     text, right = corrected
+    # From the mildest verdict to the severest. A missing input comes before a contradiction: where some admissible
+    # input gives the printed number, nothing is proven against it.
     if abs(computed - value) <= half:
         verdict = Verdict.HOLDS
     elif any(low - half <= value <= high + half for low, high in allowed):
@@ -127,6 +133,8 @@ def limit(
     inputs that are missing, or rounded; `computed` the value at face value; `corrected` how the inequality should be
     read, and the excess then.
     """
+    # The inequality holds where the excess is not positive. With a missing input only the whole range decides: it holds
+    # if even the largest excess is not positive, and it is open if the least one is not.
     low, high = allowed
     if (high if excess is None else excess) <= 0:
         verdict = Verdict.HOLDS

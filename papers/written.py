@@ -18,6 +18,8 @@ FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
 }
 NUMBERS: Mapping[str, Any] = {"0": 0.0, "1": 1.0, "2": 2.0, "i": 1j}
 INERTIA = r"m[₁-₅]? S̈[xy₁-₅]+|J[₀-₅]α[₁-₅]?|m₅[αg][₅ₛ]?"  # products with an acceleration
+# Longer alternatives come first: a product such as m₅αₛ, a force or a function is one token before its first letter
+# could be a token of its own. Blanks and commas match nothing and drop out.
 TOKEN = re.compile(rf"{INERTIA}|F_R\w+|\w_\w|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
 
 
@@ -53,6 +55,9 @@ class Equation:
         return self._difference((self.read or self.text).replace(part, other), symbols)
 
     def _difference(self, text: str, symbols: Symbols) -> Difference:
+        # The text is cut at ", ": the first part with an equals sign is the equation, later ones are abbreviations.
+        # These are evaluated in their order, so that each may use those before it; parts without an equals sign are
+        # remarks.
         text = f"{text}, {self.given}".translate(str.maketrans("[]", "()")).rpartition(": ")[2]
         parts = [part.split("=") for part in text.split(", ") if "=" in part]
         (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
@@ -60,9 +65,17 @@ class Equation:
         for (name,), meaning in abbreviations:
             values[name] = _sum(deque(meaning), values)
         difference = _sum(deque(left), values) - _sum(deque(right), values)
+        # An inverse function gives an angle modulo a turn: the difference is wrapped to -pi..pi.
         return np.asarray(np.remainder(difference + tau / 2, tau) - tau / 2 if self.kind == "angle" else difference)
 
 
+# Recursive descent over the grammar
+# sum     = [sign] product {sign product}
+# product = factor {["/"] factor}
+# factor  = function factor | ("(" sum ")" | symbol) ["²"]
+# Multiplication is juxtaposition. A slash divides by the next factor alone, and a function takes the next factor alone,
+# as in print: sin θ₂ l₂ is l₂ sin θ₂. A symbol without a value is a KeyError, so that a misspelled equation cannot pass
+# for one that was checked.
 def _sum(tokens: deque[str], values: Symbols) -> Any:
     """The value of tokens up to a closing bracket or the end, which are used up."""
     total = 0.0

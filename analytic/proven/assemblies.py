@@ -121,6 +121,10 @@ def _known(place: End, others: Sequence[End], turn: float) -> bool:
     return any(joint == place[1] and abs(remainder(where - place[0], turn)) <= SAME_TOL for where, joint in others)
 
 
+# Two assemblies are on one circuit if a motion leads from one to the other. Vertices are the intervals of the drive's
+# way in which one choice of branches assembles; two are joined where they share an end (or a change point between), at
+# which exactly the dyad that is singular has another branch. Circuits are the connected components. A gap or an
+# interval between two samples of the way is not seen.
 def _circuits(scene: Scene, whole: Linkage, position: float) -> Mapping[tuple[Any, ...], tuple[int, Sequence[End]]]:
     """By branches of dyads, the number of the circuit that a position is on, and where it meets others."""
     turn, parts = tau if scene.drive.slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, ...]]]()
@@ -140,6 +144,7 @@ def _circuits(scene: Scene, whole: Linkage, position: float) -> Mapping[tuple[An
         (a, first), (b, second) = parts[i], parts[j]
         flipped = [group.P for group, p, q in zip(whole.groups, a, b, strict=True) if p != q]
         pairs = product(first, second) if apart.isdisjoint(flipped) else ()
+        # The same position of the drive, the same singular joint, and no dyad but that one flipped.
         return any([p] == flipped and p == q and abs(remainder(x - y, turn)) <= SAME_TOL for (x, p), (y, q) in pairs)
 
     count, here = range(len(parts)), dict[tuple[Any, ...], tuple[int, Sequence[End]]]()
@@ -182,6 +187,9 @@ def poses(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[
 
     `placed` are the frames that it hangs on, shape (frames,), and `drive` is the position of its drive, if it has one.
     """
+    # Joints are S z + R u - s t u_carrier = 0: linear in the first points z, by the attitudes u of the frames. Rows of
+    # `null` span the left null space of S for the unknown points (from the SVD); multiplied by them the points drop
+    # out, and one row a closed loop is left, with constants of what is placed in column 0.
     b, p, carriers, joints, arms = equations.bodies, equations.pins, equations.on, equations.S, equations.R
     shown = _attitudes(equations, placed)
     null = np.linalg.svd(joints[:, :b])[0][:, b:].conj().T  # of full rank: else a body would hang on nothing
@@ -197,6 +205,8 @@ def poses(equations: GroupEquations, placed: FramePoses, drive: float) -> tuple[
     u = np.exp(1j * np.pad(y[:, :angles], ((0, 0), (1, 0)))) @ shown.T
     s = np.full((len(y), len(carriers)), drive)
     s[:, free] = y[:, angles:]
+    # The points belong to each zero by back-substitution: the joints are consistent there, so that least squares leaves
+    # no residual.
     rest = u @ arms.T + joints[:, b:] @ placed.z
     rest[:, p:] -= s * equations.along * u[:, carriers]
     z = -np.linalg.lstsq(joints[:, :b], rest.T, rcond=None)[0].T
@@ -222,6 +232,7 @@ def _attitudes(equations: GroupEquations, placed: FramePoses) -> Complex:
 
 def together(joined: Any) -> NDArray[np.intp]:
     """The first of those that each is joined to, if by way of others, given which are joined; shape (n, n) to (n,)."""
+    # Transitive closure of a boolean matrix: k squarings reach chains of 2^k links.
     for _ in range(len(joined).bit_length()):
         joined = joined @ joined
     return np.asarray(joined.argmax(axis=-1))
@@ -259,6 +270,9 @@ def _zeros(loops: Loops, half: Samples) -> tuple[Samples, bool]:
 def _may(loops: Loops, y: Samples, rho: Samples, slack: float) -> Any:
     """Whether boxes may hold a zero, by F and its slope in their middles and by what that changes."""
     F, J, arms = loops.at(y)
+    # Mean value form with a bound on the second-order term, half of what the Jacobian changes by within the box times
+    # rho. It is tested row by row, and once more after multiplication by the inverse in the middle, which is sharp
+    # where a row depends on several unknowns alike.
     bend = loops.bend(arms, np.broadcast_to(rho, y.shape)) @ rho / 2 + slack
     may = (np.abs(F) <= np.abs(J) @ rho + bend).all(axis=1)
     inverse = inverses(J)
@@ -273,6 +287,8 @@ def _alone(loops: Loops, y: Samples, rho: Samples) -> tuple[Samples, Any]:
         F, J, arms = loops.at(root)
         root = root - np.einsum("nij,nj->ni", inverses(J), F)
     F, J, arms = loops.at(root)
+    # Krawczyk's test on a box around the root that contains the whole given box: if |R F| and |R| times the change of J
+    # map it into its inside, it has exactly one zero, and the given box has no other.
     inverse, around = inverses(J), np.abs(root - y) + rho
     correction = np.abs(np.einsum("nij,nj->ni", inverse, F))
     moved = np.einsum("nij,njk,nk->ni", np.abs(inverse), loops.bend(arms, around), around)

@@ -156,6 +156,9 @@ class Boxes:
             every = TaylorModel(rows.c, np.where(known, rows.rest, np.nan))
         return every
 
+    # Branch and bound on one row: a box counts if its largest value may be above the largest value that is known to be
+    # attained. Numbers of the scene that may be off move all boxes alike: only the difference of their slopes
+    # (coefficients from 3 on) to the best box's is counted against a box, and the result keeps these slopes.
     def _stroke_end(self, displacement: Expression, closing: int) -> TaylorModel:
         """How far a cycle takes a slider in its closing direction, m: the most of boxes that may be the furthest."""
         line = self._line_of([displacement])
@@ -180,6 +183,8 @@ class Boxes:
         way = point(middle, self.like)
         way.c[1] = np.maximum(high - middle, middle - low)
         law = self.scene.drive.law
+        # At a constant speed the line's variable is the position, and the time follows from it; with a law it is the
+        # time, and position, rate and acceleration follow from its piece.
         if isinstance(law, ConstantSpeed):
             given = {"position": way, "time": (way - self.numbers["drive.start"]) / self.numbers["drive.speed"]}
             state = Driven(middle, np.ones(()), np.zeros(()))
@@ -199,6 +204,8 @@ class Boxes:
             dict[str, TaylorModel](),
         )
         for name in several.keys() - {*Driven._fields}:
+            # A parabola through middle and ends. Where Newton's method has nothing near at one of the three, another's
+            # value stands in: a guess only decides where the iteration begins, no bound rests on it.
             three = np.broadcast_to(np.ravel(several[name]), len(places)).reshape(3, len(low))
             known = np.take_along_axis(three, np.isnan(three).argmin(axis=0)[np.newaxis], axis=0)
             middle, first, last = np.where(np.isnan(three), known, three)
@@ -219,6 +226,9 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
 
     A row with more than `MAX_WAYS` candidates keeps its bounds.
     """
+    # Copies of a box are numbered in mixed radix: row by row, the number of candidates is the base of a digit, and
+    # `slower` is the product of the bases before it. A row that is decided in all copies becomes a constant without a
+    # rest.
     least, most = np.ceil(numbers.range[0]), np.floor(numbers.range[1])
     ways = np.where(np.isnan(most), 1, most - least + 1).astype(int)
     ways[:, ways.prod(axis=0) > MAX_WAYS] = 1
@@ -249,6 +259,7 @@ def driven(law: DriveLaw, way: TaylorModel, middle: Samples) -> Any:
     pieces: Sequence[Piece] = law.pieces  # type: ignore[union-attr]
     cycles = np.floor(middle / law.cycle) if law.periodic else np.zeros(len(middle))
     before = law.cycle * cycles
+    # Boxes never straddle two pieces (see `cycle_edges`), so the middle decides for the whole box.
     index = np.searchsorted([piece.begin for piece in pieces], middle - before, side="right") - 1
 
     def each(values: Sequence[float], error: float = LAW_TOL) -> Any:

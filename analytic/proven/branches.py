@@ -33,11 +33,14 @@ class Branches:
         """Whether other boxes, by their ends, have these poses in their middles, and all are known in them, (m,)."""
         middle = (low + high) / 2
         slip = np.abs(middle)
+        # The poses of the first cycle stand for all: other boxes are moved into it. The shift loses last places of a
+        # large position, which is allowed for by `slip`.
         if self.periodic:
             turn = self.high[-1] - self.low[0]
             low, middle, high = (x - turn * np.floor((middle - self.low[0]) / turn) for x in (low, middle, high))
         first, nearest = (np.maximum(np.searchsorted(self.low, x, "right") - 1, 0) for x in (low, middle))
         end = np.searchsorted(self.low, high)
+        # Prefix sums: no box between two numbers is unknown if the sums are equal.
         unknown = np.append(0, np.cumsum(np.isnan(self.poses.rest).any(axis=0)))
         half, centre = ((self.high[nearest] + sign * self.low[nearest]) / 2 for sign in (-1, 1))
         same = _same(
@@ -62,6 +65,8 @@ def branches(
         periodic: whether the last box meets the first one.
     """
     (low, high), found = boxes, poses(*boxes)
+    # Both boxes are divided where two neighbours do not have the same pose at the edge between them. Division ends at
+    # MIN_BOX, next to a singular configuration, where two poses come as near as their bounds.
     while True:
         after = found[..., np.roll(np.arange(len(low)), -1)]
         meets = _same(found, 1.0, after, -1.0, ROOM)
@@ -80,6 +85,9 @@ def branches(
 
 def _same(x: TaylorModel, s: Any, y: TaylorModel, r: float, room: float, slip: Any = 0.0) -> Any:
     """Whether poses x at s, which may `slip` by its last place, are y at r, which have so much `room`."""
+    # Both models are evaluated at their places, s and r, with the scene's numbers left as variables: their coefficients
+    # from 3 on are those of the same t_i, and subtract. The ball of one pose has to lie in the ball in which the other
+    # one is alone.
     c = np.delete(x.c, (1, 2), axis=0) - np.delete(y.c, (1, 2), axis=0)
     c[0] += s * (x.c[1] + s * x.c[2]) - r * (y.c[1] + r * y.c[2])
     c[0, 2::3] -= tau * np.round(c[0, 2::3] / tau)  # angles, which are the same after whole turns

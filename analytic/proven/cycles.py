@@ -48,6 +48,8 @@ def _lasting(boxes: Boxes) -> bool:
     scene, law = boxes.scene, boxes.scene.drive.law
     if not (law.periodic and boxes.core.request.wants_forces(scene)):
         return False
+    # A table continues if the cycle is no whole number of its periods. Over the drive's position its period is compared
+    # with the turn of a crank; a slider comes back in each cycle, and so does a displacement.
     turn = abs(float(law.after(1) - law.after(0))) if scene.drive.slide is None else 0.0
     cycle = {"time": law.cycle, "drive": turn if turn > tau / 2 else 0.0, "displacement": 0.0}  # none: it comes back
     for table in (load.table for load in scene.loads if load.table is not None and cycle[load.table.over]):
@@ -84,6 +86,8 @@ def _outermost(rows: Sequence[Enclosure]) -> Enclosure:
     largest = rows[0].extreme == "most"
     outer = max if largest else min
     low, high = outer(row.low for row in rows), outer(row.high for row in rows)
+    # The extreme's bounds are the outermost of the parts' bounds. Its place is that of the first part whose attained
+    # value is as near to it as the bounds are apart, else of the first that may hold it at all.
     may = [row for row in rows if (row.high >= low if largest else row.low <= high)]
     known = [row for row in may if (row.low >= 2 * low - high if largest else row.high <= 2 * high - low)]
     return (known or may or rows)[0]._replace(low=low, high=high)

@@ -103,6 +103,9 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     ends = np.union1d(edges, boxes.edges[(boxes.edges > edges[0]) & (boxes.edges < edges[-1])])
     models, box = boxes(ends[:-1], ends[1:])
     low, high = models.range
+    # In one box the chord through the values at s = -1 and 1 is c0 + c2 + c1 s. The curve is off it by |c2| (1 - s^2)
+    # at most, and by the rest twice: once of the curve, once of the chord's ends. Over several boxes all that is known
+    # is the range.
     first = np.searchsorted(ends[box], edges[:-1])  # of the models between two places
     apart = np.maximum.reduceat(high, first, axis=1) - np.minimum.reduceat(low, first, axis=1)
     single = np.diff(np.append(first, len(box))) == 1  # without a jump between them, and within one piece of a law
@@ -119,6 +122,7 @@ def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
     """
     low, high = boxes.divided(FIRST_BOXES)
     way, rows = high.max() - low.min(), len(boxes.names)
+    # Boxes of no width have no truncation error: their rests are round-off alone. No bound can be tighter than that.
     rest = boxes(low, low)[0].rest[:rows]
     # NumPy's median loads the package of masked arrays.
     rounding = DECIDED * np.sort(np.where(np.isnan(rest), 0.0, rest), axis=-1)[:, rest.shape[-1] // 2]
@@ -130,6 +134,8 @@ def _extremes(boxes: Boxes, accuracy: float) -> Enclosures:
         near = np.maximum(boxes.arms * _tolerance(size / boxes.arms, boxes.kinds, accuracy), rounding)
         wanted, box = level.wanted(np.ravel(size + near)), level.own
         divisible = ~level.fails & (level.high - level.low > MIN_BOX * way)
+        # All boxes that are wanted; if these are too many, only those that decide on assembly; at last none, and the
+        # bounds stay as wide as they are.
         for some in (wanted, level.doubtful, np.False_):  # of too many, those alone where it may not assemble
             divided = np.zeros(len(low), np.bool_)
             divided[box[some & divisible]] = True  # with all that is assumed of a box
@@ -151,6 +157,9 @@ def _tolerance(attained: Samples, kinds: Numbers, accuracy: float) -> Samples:
     """How far bounds may be apart, given what is attained with either sign, shape (2, rows); 0 of nothing."""
     size = np.zeros(kinds.max(initial=0) + 1)
     np.maximum.at(size, kinds, np.where(np.isfinite(attained), np.abs(attained), 0.0).max(axis=0))
+    # Rows are there with either sign, so that the sum of what both attain is the range of the values. A range of
+    # nothing but round-off is measured by the largest value of its kind of quantity instead: a relative accuracy of
+    # zero cannot be met.
     span = attained.sum(axis=0)
     flat = max(accuracy, FLAT_ACCURACY) * size[kinds]
     return np.where(np.isfinite(span), np.where(span > FLAT_TOL * size[kinds], accuracy * span, flat), 0.0)
@@ -182,6 +191,8 @@ def _first(begins: Samples, ends: Samples, holds: Any, apart: float) -> Span | N
     """The first of what some parts of the way are joined to, if there is one, that has what it should; None of none."""
     if not len(begins):
         return None
+    # Union of intervals: a new part begins where an interval's begin is beyond the furthest end so far by more than
+    # `apart`.
     order = np.argsort(begins)
     begins, reach = begins[order], np.maximum.accumulate(ends[order])
     starts = np.flatnonzero(np.append(True, begins[1:] > reach[:-1] + apart))

@@ -62,6 +62,8 @@ class Level(NamedTuple):
         top, rest = parabola_most(c) + further, np.concatenate([rest, rest])
         error = rest + np.tile(8 * ROUNDED * models.most[:rows], (2, 1))
         unknown = np.isnan(rest)
+        # A value counts as attained only in boxes that surely assemble: not where a condition fails, and not in copies
+        # of a box that assume how a press force or a joint's friction stands, of which one alone is true.
         least, largest = (bound[rows:] for bound in models.range)
         doubtful, fails = ~(least > 0).all(axis=0), (largest < 0).any(axis=0)
         condition = (~(least > 0)).argmax(axis=0) if len(least) else np.zeros(len(index), np.intp)
@@ -91,6 +93,9 @@ class Level(NamedTuple):
         With them whether the row is known to be there as near to that as it can be more than that elsewhere.
         """
         c0, c1, c2 = self.c
+        # Where c0 + c1 s + c2 s^2 plus its bound may reach what is attained: between the roots of a parabola that opens
+        # downwards, else anywhere in the box. Roots are found in doubles, so that the part is widened by 1e-6 of the
+        # box; it stays inside the box.
         excess = c0 + self.beside - attained[self.row]
         low, high = self.low[self.box], self.high[self.box]
         middle, half = (low + high) / 2, (high - low) / 2

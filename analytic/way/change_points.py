@@ -29,6 +29,8 @@ def check_way(solver: Solver) -> None:
     end = min((int(after[rows].min()) for rows in short.values() if rows.any()), default=SAMPLES + 1)
     found, last = [], end
     candidates = [(int(after[i]), i, group) for group, i in lowest(linkage.groups, k, way, short)]
+    # Candidates in the order in which the drive comes to them. The search may end at the first singular place, but a
+    # place found from a later row may lie half a step before, so that one step more is looked at.
     for step, i, group in sorted(candidates, key=lambda candidate: candidate[0]):
         if step > last:
             break

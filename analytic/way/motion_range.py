@@ -28,6 +28,9 @@ def motion_at(scene: Scene, linkage: Linkage, position: Samples, *, rates: bool 
         return kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0)), rates=rates)
 
 
+# Sampling and bisection: the edges are exact to the last place, but an interval narrower than a sample is not seen.
+# `held_about` has a margin for round-off, so that a condition that is just met all the way does not flicker from sample
+# to sample.
 def changes(
     holds: Callable[[Samples], NDArray[np.bool_]],
     least: float,
@@ -75,6 +78,8 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
     if not len(inside):
         return []
     ends = [(float(x), str(joint)) for x, joint in zip(inside, unreached(scene, linkage, outside), strict=True)]
+    # Edges alternate between where an interval begins and where it ends. If the first edge ends one, the interval began
+    # before the way: a turn back for a crank, at the way's end for a slider.
     if inside[0] < outside[0]:  # the way begins within an interval, which begins a turn before its last edge
         ends = [(ends[-1][0] - turn, ends[-1][1]), *ends[:-1]] if turn < inf else [(least, ""), *ends]
     if len(ends) % 2:

@@ -69,6 +69,10 @@ def _extreme(
     x = _with(coordinates(start.z[:, :b], start.angle[:, :b]), 0)
     tangent = sense * _with(solved(own_jacobian(equations, start), -unit.open(start)), 1)
     path = np.stack([x, tangent, 0 * x], axis=1)  # a place on the curve, the tangent there, and its change
+    # Predictor and corrector on the curve (q(l), l), all positions at once: back onto the curve, then ahead along its
+    # parabola. The step aims at the extreme of l, where l' = 0. The longest step becomes a quarter if the last point
+    # was too far off the curve, or if the extreme would lie far behind. A position leaves the loop at its extreme, or
+    # where it is beyond the nearest known.
     for _ in range(MAX_ROUNDS):
         back, *ahead = _along(equations, unit, placed, x, path[:, 1])
         astray = length_of(back[:, :-1], equations.size)
@@ -98,6 +102,8 @@ def _along(
     """
     pose, longer = equations.pose(x[:, :-1], placed), x[:, -1, None, None]
     varied = replace(equations, R=equations.R + longer * unit.R)
+    # The last row of (2): the new tangent has a positive part along the last one, in the metric of lengths (angles
+    # times arms). It keeps the direction of travel through the extreme, where J itself is singular.
     across = _with(before[:, :-1] * equations.arms**2, 0)
     bordered = np.append(own_jacobian(varied, pose), unit.open(pose)[..., None], axis=-1)
     matrix, C = np.append(bordered, across[:, None], axis=1), varied.open(pose)

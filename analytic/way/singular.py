@@ -76,6 +76,8 @@ def lowest(
     """Yield the groups, and the rows where each is nearest to a singular configuration while it reaches beside it."""
     for group, distance in to_lock(groups, k, way).items():
         before, after = np.append(np.inf, distance[:-1]), np.append(distance[1:], np.inf)
+        # A local least of the distance can reach zero between two samples only if it is no more than the distance falls
+        # by within one step. That holds of a distance that falls about linearly, as to a crossing of two branches.
         steepest = np.fmax(np.where(before < np.inf, before, 0), np.where(after < np.inf, after, 0)) - distance
         lowest = (distance <= before) & (distance <= after) & (distance <= steepest)  # so that it may reach zero
         apart = np.concatenate([[False], short[group.P], [False]])
@@ -83,6 +85,8 @@ def lowest(
         yield from ((group, i) for i in np.flatnonzero(lowest).tolist())
 
 
+# Nested sampling rather than a minimiser: the distance has a corner where it is zero, not a parabola, and several
+# groups may be singular at one place. Each round keeps the two intervals about the least of POINTS samples.
 def look_closer(
     scene: Scene, linkage: Linkage, groups: Sequence[Dyad | Group], nearest: Dyad | Group, way: Samples
 ) -> tuple[float, list[Dyad | Group]] | None:
@@ -137,6 +141,7 @@ class Meetings(NamedTuple):
         if turns and not self.nearest:
             return
         least, most, sketch, nearest = float(asked.min()), float(asked.max()), scene.sketch.drive, self.nearest
+        # The turn in which the sketch is as near as it can be to the middle of what is asked for.
         whole = 2 * pi * round(((least + most) / 2 - sketch) / (2 * pi)) if turns else 0.0  # as near as turns bring it
         if not turns and not self.first <= least <= most <= self.last:
             nearest = _nearest(scene, linkage, min(least, sketch), max(most, sketch))

@@ -38,6 +38,8 @@ def sketch_fit(scene: Scene) -> SketchFit | None:
         return None
     for _ in range(ROUNDS):
         places = _places(scene, linkage, way)
+        # A sum of squares by the drive's position alone may have several minima: it is sampled all over the way before
+        # it is looked at closer.
         apart = sum(np.abs(places[point] - complex(*xy)) ** 2 for point, xy in scene.sketch.points.items())
         if np.isnan(apart).all():
             return None

@@ -82,6 +82,7 @@ def _stroke(displaced: Displaced, start: float, end: float, s: Samples, v: Sampl
     reached = (s >= min(first, last)) & (s <= max(first, last))
     position = zeros(lambda x: displaced(x)[0] - s, np.full(s.shape, start), np.full(s.shape, end))
     _, ds, dds = displaced(position)
+    # Chain rule: v = s' x', a = s'' x'^2 + s' x''.
     with np.errstate(divide="ignore", invalid="ignore"):  # at a dead point no rate of the drive moves the slider
         rate = v / ds
         acceleration = (a - dds * rate**2) / ds
@@ -124,6 +125,9 @@ def furthest(
     way = least + (most - least) * np.linspace(0, 1, SAMPLES + 1)
     closed = closing * displaced(way)[0]
     closed, way = np.broadcast_arrays(np.where(np.isnan(closed), -np.inf, closed), way)
+    # The furthest sample has the dead point between its neighbours, where s' is zero. Both the samples and that zero
+    # count: at an end of the way there is none, and the zero that bisection then returns is just another place on the
+    # way.
     last = closed.argmax(axis=1)[:, None]
     low, high = (np.take_along_axis(way, np.clip(last + step, 0, SAMPLES), axis=1) for step in (-1, 1))
     dead = zeros(lambda position: closing * displaced(position)[1], low, high)

@@ -41,6 +41,9 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     ways = [(first, last) for (first, _), (last, _) in intervals]
     turn = 2 * pi if scene.drive.slide is None else inf
     free = free_range(scene, linkage) if at and not intervals else None
+    # The end that is nearest to where the run fails: of an interval in which the linkage assembles; else that place
+    # itself; else the singular configuration there, with the free range up to it. Poses are then laid from that end
+    # towards the other one, densest next to it.
     if intervals:
         ends = [*intervals, *(interval[::-1] for interval in intervals)]
         (end, joint), (begin, _) = min(ends, key=lambda way: abs(remainder(way[0][0] - position, turn)))

@@ -60,6 +60,8 @@ def _continued(
         known[:1] |= not known.any()  # where no sample closes one stays, whose failure the solver reports
         angle = np.unwrap(wrapped[:-1][known])
         rough = partial(_followed, turns, way[known])
+        # The whole number of turns is fixed at the drive's start, where the angle is to be within -pi..pi; -pi itself
+        # counts as pi.
         change = wrapped[-1] + tau * (wrapped[-1] < -HALF_TURN) - rough(angle, start)
         found[name] = partial(rough, angle + tau * np.round(change / tau))
     return found

@@ -58,6 +58,8 @@ def _by_engine(engine: str) -> Iterator[Claim]:
             raise Failure(result.status, result.reason)
         return result.motion
 
+    # An engine is not exact: its rows are held to the tolerance that the shipped scenes declare for it, by the channel
+    # group of the quantity, and to the looser of the two designs' tolerances.
     v = over_strokes(solve)
     tolerances = [load(name).tolerances[engine] for name in SCENES.values()]
     for equation in EQUATIONS:
@@ -83,6 +85,8 @@ def over_strokes(solve: Callable[[Scene], Motion]) -> Symbols:
     for name, d in PUBLISHED.items():
         scene = load(SCENES[name])
         loaded = replace(scene, loads=(Force("platen", "C", (-FORCE, 0.0)),))
+        # The force ratio is that of a force on the platen alone. The clamp is solved with and without that force and
+        # the drive's forces are subtracted, so that inertia cancels.
         parts.append(moving(scene, d, solve(loaded), solve(replace(scene, loads=())), FORCE))
     return {symbol: np.concatenate([part[symbol] for part in parts]) for symbol in parts[0]}
 

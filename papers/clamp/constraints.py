@@ -37,6 +37,8 @@ class Clearance:
         return {"d_B": d_B, "d_D": d_D, "d_E": 2 * self.L4 - d_D, "H_s": 2 * (self.B + d_B)}
 
 
+# The sizes of pins and crosshead are not given, so that four constraints have unknown right-hand sides. Each published
+# design is assumed to be feasible: the least clearance for which it is so is then a bound that any true sizes satisfy.
 def tightest(*designs: Design) -> Clearance:
     """The least clearance of some designs: what meets it does so with any sizes that let them all be."""
     return Clearance(
@@ -83,6 +85,8 @@ def slacks(d: Design, clearance: Clearance) -> dict[str, Array]:
     return {name: slack(d, clearance) for name, slack in PRINTED.items()}
 
 
+# A first-order equivalent of phi_max - phi, with the same sign. An arcsine would be NaN, without a gradient, as soon as
+# DE is too short for its guide; the sine goes on growing there and leads an optimiser back.
 def _below(sine: Array) -> Array:
     """How far phi is below its limit, rad where it is near; by the sine, which still grows past 90 deg."""
     largest = LARGEST_PHI * DEGREE

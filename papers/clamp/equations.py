@@ -18,6 +18,8 @@ def moving(scene: Scene, d: Design, loaded: Motion, free: Motion, force: float) 
 
     S_m and S_o are the ways to the lock, P_o what P_m adds to the drive's force.
     """
+    # The source counts beta and phi clockwise, and rates positive while the clamp closes. Signs are turned to its
+    # convention here alone, so that the formulas stay as printed.
     state = MotionVectors(scene, free)
     A, B, C, D, E = (state.point(point)[0] for point in "ABCDE")
     x_m, x_o = free["C.x"], free["E.x"]
@@ -44,6 +46,8 @@ KINDS: Mapping[str, tuple[str, str, int, int]] = {
 
 def scale(v: Symbols) -> Scale:
     """Return scale and unit of each kind of quantity."""
+    # By dimension: a quantity of L^a V^b is relative to that power of the rear link and of the crosshead's largest
+    # speed.
     L, V = float(v["L₁"].max()), float(v["V_o"].max())
     return {kind: (L**of_L * V**of_V, unit) for kind, (_, unit, of_L, of_V) in KINDS.items()}
 

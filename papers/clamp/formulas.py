@@ -66,6 +66,9 @@ class Pose:
 
 def at(d: Design, alpha: Any) -> Pose:
     """A design at alpha, with beta and phi from its closed loops."""
+    # Heights in the two loops. C stays at the height of the lock, where A, B and C are in line at theta: L1 sin(theta +
+    # alpha) - L2 sin(beta) = (L1 + L2) sin(theta). E stays at Hb: see `sine_phi`. The arcsine takes the branch on which
+    # the platen is ahead of B and the crosshead behind D.
     with np.errstate(invalid="ignore"):
         beta = arcsin((d.L1 * sin(d.theta + alpha) - (d.L1 + d.L2) * sin(d.theta)) / d.L2)
         phi = arcsin(sine_phi(d, alpha))
@@ -131,6 +134,9 @@ def velocity_ratio(p: Pose) -> Array:
 
 def acceleration(p: Pose, Vo: float = 1.0, *, printed: bool = False) -> Array:
     """Return a_m at a constant speed of the crosshead, corrected or as printed; at speed one that is a_m / v_o^2."""
+    # Second derivatives of the loops at a constant speed of the crosshead. The height of C is constant, which gives w2
+    # from w1 and would give e2; e2 is eliminated by projecting the acceleration of C on the direction of BC, hence the
+    # division by cos(beta) of the whole sum, where the source multiplies the last term by it.
     d = p.d
     w1, w4 = (
         Vo * ratio / sin(p.ear + p.phi) for ratio in (cos(p.phi) / d.L5, cos(p.ear) / d.L4)
@@ -189,7 +195,9 @@ def _halves(d: Design) -> tuple[Pose, Pose]:
 
 def _largest(values: Array) -> Array:
     """The largest along the first axis, by a parabola through it and its neighbours where it has both."""
-    # Of complex steps: where the largest is does not change its derivative.
+    # Vertex of the parabola through three equidistant samples. The row of the largest sample is taken from the real
+    # parts: by the envelope theorem a shift of that place does not change the derivative of the largest value, so that
+    # a complex step passes through.
     row = values.real.argmax(axis=0)
     middle = np.clip(row, 1, len(values) - 2)
     before, top, after = (np.take_along_axis(values, (middle + step)[None], 0)[0] for step in (-1, 0, 1))

@@ -92,6 +92,8 @@ def _ranges(name: str, design: Corners) -> Iterator[Claim]:
 
 def largest_force_ratio() -> Claim:
     """The row of the largest M_P of all designs, which goes with the sizes that are not given."""
+    # The largest M_P grows with the space that pins and crosshead leave. Its range is therefore given by the tightest
+    # and the loosest sizes alone; SMALLER has sizes with which it can be the printed one.
     both, alone, any_, smaller = (search(Problem("M_P", c), STARTS).value for c in (BOTH, ALONE, LOOSEST, SMALLER))
     return number(
         "optimisation, largest M_P",

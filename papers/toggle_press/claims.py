@@ -70,6 +70,8 @@ def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     )
 
 
+# Both are zero in the paper's lowest pose. The true lowest point is where the slider's velocity vanishes, solved by the
+# reference; a distance from the line P1-P3 is the cross product of two vectors over the length of that line.
 def _off_lines() -> tuple[float, float]:
     """How far P3 or P4 is off the y axis, and P2 off the line P1-P3, where the slider is really lowest, mm."""
     scene = load("toggle_press")

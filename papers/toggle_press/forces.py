@@ -87,6 +87,9 @@ def claims() -> Iterator[Claim]:
     """A row for each equation of the kinetostatics."""
     scene = load("toggle_press")
     given = statics(scene, registry.motion(scene, SAMPLES))
+    # All 2^13 choices of signs of 12 force components and of Q at once, as an axis of the arrays: shapes are (signs,
+    # samples). The choice is made by counting equations, not by least residuals, because one misprint has a residual of
+    # order one and would outweigh all else.
     signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]  # shape (13, m, 1)
     every = _signed(given, signs)
     scale = scale_of(given)
@@ -133,6 +136,9 @@ def statics(scene: Scene, motion: Motion) -> Symbols:
     return symbols | {"θ": symbols["θ₀"], "m₅αₛ": symbols["m₅α₅"], "m₅g": weight}
 
 
+# (30.3) is linear in Ls₂ cos φ and Ls₂ sin φ by the addition theorem: its left sides at (Ls₂, φ) = (1, 0) and (1, pi/2)
+# are the columns of a least-squares problem over the samples. An equation that no constant (Ls₂, φ) satisfies keeps its
+# residual.
 def _signed(s: Symbols, signs: NDArray[np.float64]) -> Symbols:
     """With m choices of signs of `FORCES` and of Q, the last, shape (m, n), and the Ls₂ and φ that fit (30.3) best."""
     s = s | {name: sign * s[name] for name, sign in zip((*FORCES, "Q"), signs, strict=True)}
@@ -169,6 +175,9 @@ def _solved(s: Symbols) -> Claim:
     )
 
 
+# The equations are affine in forces and torque: the constant part is their residual with all unknowns zero, a column is
+# what a unit of one unknown adds. The pseudoinverse solves each sample by least squares, as the printed system, which
+# has no guide force, has more equations than unknowns.
 def _unknowns(s: Symbols, forms: Sequence[Callable[[Symbols], Difference]], names: Sequence[str]) -> dict[str, Samples]:
     """The unknowns that satisfy linear equations best, each of shape (n,)."""
     still = np.zeros_like(s["Q"])

@@ -49,6 +49,8 @@ def over_two_turns() -> Symbols:
     Those of the bars have their numbers, but the crank's none; arrays of shape (n,).
     """
     steady = load("toggle_press")
+    # At a constant speed alpha is zero, and a misprint in a term with alpha would not show. The second turn has a
+    # cycloidal speed, with alpha of both signs.
     uneven = SegmentedLaw(0.0, (tau,), (steady.cycle,), ("cycloidal",), periodic=True)
     motions = [registry.motion(scene, SAMPLES) for scene in (steady, steady.with_law(uneven))]
     both = Motion({channel: np.concatenate([m[channel] for m in motions]) for channel in motions[0].samples})

@@ -75,6 +75,8 @@ def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
     motion = solve(lowest(scene) + STEP * np.arange(TURN.samples, dtype=float), TURN.times(scene)[:-1])
+    # Rates by the crank's angle, vy / w, do not depend on the strokes a minute, which are not given. The side before
+    # the lowest point is read backwards with negative rows: sample -k is k steps before, as the turn is periodic.
     height, rate = motion[y] - motion[y][0], np.abs(motion[vy]) / scene.pace
     highest = int(height.argmax())
     after, before = np.arange(highest + 1), -np.arange(TURN.samples - highest + 1)
@@ -85,6 +87,8 @@ def lowest(scene: Scene) -> float:
     """The crank's angle where the slider is lowest, rad."""
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
+    # A zero of the velocity rather than a minimum of the height: the height is flat there and would give the angle to
+    # the root of round-off, 1e-8, alone. The bracket is the coarse minimum with both its neighbours.
     coarse = registry.motion(scene, TURN, frozenset((y, vy)))
     near = 1 + int(coarse[y][1:-1].argmin())
     around = coarse["crank_angle"][[near - 1, near + 1]]
@@ -93,6 +97,7 @@ def lowest(scene: Scene) -> float:
 
 def rounded() -> list[Press]:
     """The toggle press as printed, and with its lengths at the ends of their rounding, in all combinations."""
+    # The 64 corners of the rounding hold the range of a stroke that is monotone in each length over half a millimetre.
     ends = product(*((length - LENGTH_TOL, length + LENGTH_TOL) for length in LENGTHS))
     return [press("toggle_press", dict(zip(PATHS, lengths, strict=True))) for lengths in (LENGTHS, *ends)]
 

@@ -93,13 +93,16 @@ class BoxLine:
             case "system":
                 matrix, k = self.systems[expression.order], self.systems[expression.order].k
                 entries = expression.of[: k * k]
+                # A group's rates and accelerations are solved with one Jacobian: its inverse and the bound on 1 - R A
+                # are found once.
                 if (key := tuple(entry.order for entry in entries)) not in factored:
                     factored[key] = Matrices(matrix, stacked([operands[place] for place in matrix.places.tolist()]))
                 return factored[key].solution(stacked(operands[k * k :]))
             case "component":
                 return operands[0][int(expression.of[1].of[0])]
             case "less" | "less_equal" if not expression.sampled and _told_apart(*operands):
-                # Of the file's numbers: as they are, to the last place, unless what they may be off by decides.
+                # A choice by numbers of the file alone is made with their values, not left open for their last places,
+                # unless the amounts that they may be off by decide it.
                 return point(getattr(np, expression.operation)(*(x.c[0] for x in operands)), self.like)
         return RULES[expression.operation](*operands)
 
@@ -135,6 +138,8 @@ class Closed:
             [model.c[0] + s * model.c[1] + s * s * model.c[2] for s in (0, -1, 1)] for model in given
         )  # middles and ends
         several = (np.broadcast_to(values, (3, n)).reshape(1, 3 * n) for values in places)
+        # Approximate poses by the same method as at samples, in the middle and at both ends; those at the ends only
+        # tell a box without any pose from one whose pose is not found.
         start, *ends = np.moveaxis(self.start((1, 3 * n), *several).reshape(k, 3, n), 1, 0)
 
         def equations(c: Samples, rest: Samples) -> tuple[TaylorModel, Matrices]:
@@ -145,6 +150,12 @@ class Closed:
             c[0] += self.unit[:, np.newaxis] & lost[self.unknowns]
             return TaylorModel(c[:, :k], rest[:k]), Matrices(self.J, TaylorModel(c[:, k:], rest[k:]))
 
+        # Existence and uniqueness of the pose over a whole box, by Krawczyk's operator around a parabola:
+        # 1. the inverse R of the Jacobian in the middle of each box, in doubles;
+        # 2. the coefficients of q along the box, order by order, by corrections with that R (`series`);
+        # 3. a ball twice as large as what the residual of the parabola suggests, and the Jacobian over that whole ball;
+        # 4. the contraction with that Jacobian: it has to map the ball into itself, so that exactly one pose is in it.
+        # Where 4 fails the box is too wide or next to a singular configuration, and the caller divides it.
         exactly, lost = np.zeros((k, n)), np.isnan(start)
         still = np.concatenate([np.nan_to_num(start)[np.newaxis], np.zeros((like - 1, k, n))])
         inverse = equations(still, exactly)[1].inverse

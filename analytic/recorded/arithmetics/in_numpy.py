@@ -46,6 +46,8 @@ class NewtonsMethod:
         k = len(self.names)
         begin = np.stack([np.broadcast_to(values, shape) for values in given[:k]], axis=-1)
         (allowed, branch, size), outer = given[k : k + 3], given[k + 3 :]
+        # Newton's method may converge to another assembly. A pose is taken only if it is within the allowed distance of
+        # the guess and the Jacobian's determinant has the sign of the branch, which changes where two assemblies meet.
         q, closes = refine(self.correction(outer), begin, size)
         closes &= length_of(q - begin, size) <= allowed
         closes &= np.linalg.slogdet(self._equations(q, outer)[1])[0].reshape(shape) == branch
@@ -73,6 +75,9 @@ def function_of(expressions: Sequence[Expression], known: Mapping[int, str] = Ma
     return run["evaluate"]
 
 
+# Register allocation for a straight line: an operation writes into the array of an operand whose last use it is, so
+# that a block needs about as many arrays as values are alive at once, and they stay in cache. Results of the operations
+# in OF_FEWER, and of what no sample changes, may be smaller than a block and get a name instead of an array.
 class _Code:
     """The text of a function: results that end are written over, those wanted are written where they go."""
 

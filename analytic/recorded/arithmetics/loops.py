@@ -33,6 +33,8 @@ class Loop:
         self.given = [expression for expression, argument in of_inputs if argument.operation == "input"]
         known = {expression.order: f"e{expression.order}" for expression in self.given}
         order = needed(expressions, known)
+        # An expression with a single use stands in the text of its user, which keeps statements few; not if it moves
+        # from before the loop into it, where it would be worked out again at each position.
         uses = Counter(operand.order for expression in order for operand in expression.operands)
         pairs = ((operand, expression) for expression in order for operand in expression.operands)
         once = {

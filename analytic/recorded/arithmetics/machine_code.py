@@ -69,6 +69,8 @@ class MachineCode:
         used = {operand.order for made in needed(expressions) for operand in made.operands}
         arcs = [expression.operation == "arctan2" and expression.order not in used for expression in expressions]
         self._rows, self._arcs = len(expressions), np.flatnonzero(arcs).tolist()
+        # Rows of arcs that are next to each other are a slice, a view into which NumPy writes; else a list, by which it
+        # copies.
         together = [*range(self._arcs[0], self._arcs[-1] + 1)] if self._arcs else []
         self._together = slice(together[0], together[-1] + 1) if together == self._arcs != [] else self._arcs
         rows = [expression.of[0] if arc else expression for expression, arc in zip(expressions, arcs, strict=True)]
@@ -120,6 +122,8 @@ class MachineCode:
         filled = np.empty((self._rows, m, n))
         for rows, columns in blocks(m, n):  # so that sines, cosines and arcs stay in cache
             machines, count = numbers[rows], columns.stop - columns.start
+            # Positions are padded to whole vectors of LANES: the compiled loop has no remainder, which would be scalar
+            # code.
             drive = np.zeros((self._drive, len(machines) if varied else 1, -(-count // LANES) * LANES))
             self._early({name: part(values, rows, columns) for name, values in driven.items()}, drive[..., :count])
             arcs = np.empty((len(self._arcs), len(machines), count))
@@ -146,6 +150,9 @@ def kept_in(source: str) -> Path:
     return Path(environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linkage-crosscheck" / f"{named(source)}.py"
 
 
+# numba keeps compiled functions by the file they come from. The text is written to a file in the user's cache, named by
+# its hash and put in place in one step, as other processes may do the same. A file of that name with another text is
+# written again.
 @cache
 def kernel_of(source: str) -> Kernel:
     """Return the function of a text as machine code, from the disk where it was made before."""

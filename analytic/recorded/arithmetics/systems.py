@@ -109,6 +109,8 @@ def inverses(A: Samples) -> Samples:
     return columns(A, np.eye(A.shape[-1])[np.newaxis])
 
 
+# E = 1 - R J as a polynomial in doubles, with the sum of the magnitudes of all its coefficients as bound over the box;
+# rests and roundings of J go through |R|. Any entry that is not finite makes the bound so, and the contraction fails.
 def gains(inverse: Samples, J: Matrices) -> Samples:
     """A bound on |1 - R J|, shape (n, k, k), R about the inverse of J; of so many boxes at a time that they fit."""
     k, n = inverse.shape[-1], len(inverse)
@@ -123,6 +125,10 @@ def gains(inverse: Samples, J: Matrices) -> Samples:
     return bound
 
 
+# Krawczyk's contraction: |x* - x| <= d componentwise for every d with |R F| + |1 - R J| d < d (Moore, Kearfott, Cloud,
+# 2009, chapter 8). A candidate is the solution of (1 - G) d = |R F| plus a margin, in doubles. The inequality is then
+# tested by itself, with roundings counted upwards, so that nothing depends on how the candidate was found. It fails
+# where G has a spectral radius of one or more: boxes too wide, or a singular Jacobian.
 def contracted(inverse: Samples, open_by: TaylorModel, gains: Samples) -> tuple[Samples, Any]:
     """What bounds the solution's distance, shape (k, n), and whether there is one: d > |R F| + |1 - R J| d (Krawczyk).
 
@@ -143,6 +149,9 @@ def series(inverse: Samples, left: Callable[[Samples], TaylorModel], start: Samp
     """The coefficients of x where F(x) is zero, shape (like, k, n), order by order from the first, given F of them."""
     c = np.zeros((like, *start.shape))
     c[0] = start
+    # With an exact inverse at the middle one correction makes all coefficients of first order right: those of s and of
+    # the scene's numbers. The second-order one, of s^2, depends on them and comes after. What the inverse lacks remains
+    # in the rest.
     for rows in ([1, *range(3, like)], [2]):
         c[rows] -= np.einsum("nij,ajn->ain", inverse, left(c).c[rows])
     return c

@@ -84,6 +84,8 @@ class TaylorModel:
         c = a[0] * b
         c[1:] += b[0] * a[1:]
         c[2] += a[1] * b[1]
+        # The product has no place for s^3, s^4, s t_i and t_i t_j: the first model's slope times all bent terms of the
+        # other, and its bent terms times all moving terms of the other, with |s|, |t_i| <= 1.
         (sizes, bent, _, most), (_, other_bent, other_moving, other_most) = self.bounds, other.bounds
         dropped = sizes[1] * other_bent + bent * other_moving
         rest = dropped + most * (other.rest + ROUNDED * other_most) + self.rest * (other_most + other.rest)
@@ -141,6 +143,9 @@ def hull(low: Samples, high: Samples, like: int) -> TaylorModel:
     return point(np.where(np.isfinite(middle), middle, 0.0), like, radius)
 
 
+# Taylor's theorem around c_0, with h = x - c_0 of size D: f0 + f1 h + f2 h^2 + f'''(xi)/6 h^3. Of h^2 only c_1^2 s^2
+# has a place in the model, all other products go into the rest. `third` bounds |f'''|/6 over the whole range of x, not
+# only at its middle.
 def _composed(x: TaylorModel, f: Sequence[Samples], third: Samples) -> TaylorModel:
     """A function of x by Taylor's theorem: its value at c_0, the derivative, half the second, and a sixth's bound."""
     f0, f1, f2 = f
@@ -160,6 +165,8 @@ def _either(where: Any, yes: TaylorModel, no: TaylorModel) -> TaylorModel:
 
 def _reciprocal(x: TaylorModel) -> TaylorModel:
     c0 = x.c[0]
+    # |f'''|/6 = 1/x^4 is largest where |x| is least. If that is not above zero the divisor may be zero and nothing is
+    # known.
     least = (np.abs(c0) - x.radius) * (2 - UP)
     f0 = 1 / c0
     inverse = _composed(x, (f0, -f0 * f0, f0 * f0 * f0), 1 / least**4)
@@ -171,6 +178,8 @@ def _sqrt(x: TaylorModel) -> TaylorModel:
     low, high = x.range
     f0 = np.sqrt(x.c[0])
     smooth = low > 0
+    # |f'''|/6 = x^(-5/2)/16 at the lower end. Near zero that grows without bound: there the plain hull of both ends'
+    # roots is narrower, as for a dyad that is nearly stretched out.
     root = _composed(x, (f0, 0.5 / f0, -0.125 / (f0 * x.c[0])), 1 / (16 * low**2 * np.sqrt(low)))
     if smooth.all():
         return root
@@ -186,6 +195,9 @@ def _tanh(x: TaylorModel) -> TaylorModel:
 def _arctan2(y: TaylorModel, x: TaylorModel) -> TaylorModel:
     """The angle at the middle, and the angle from there: the arctangent of a quotient that is about zero."""
     like, (x0, y0) = len(x.c), (x.c[0], y.c[0])
+    # Turned by minus the angle of the middle, (x, y) is near the positive axis: w is the tangent of the angle from
+    # there, and arctan has |f'''|/6 <= 1/3. A box whose angle may pass +-pi has both ends of the cut, hence the whole
+    # turn.
     X, Y = point(x0, like), point(y0, like)
     w = (y * X - x * Y) / (x * X + y * Y)
     w0 = w.c[0]

@@ -45,6 +45,8 @@ def rechecks(designs: Mapping[str, Design], engines: Sequence[str], progress: Pr
             yield _recheck(name, measure(reference, engine, Sampling(SAMPLES)), press)
 
 
+# Lengths alone would do for the scene's mechanism; the sketch is moved too, since the sides on which its points lie
+# pick the assembly branch. The dies' table of forces goes with the platen's lock position.
 def locking(d: Design, alpha: float = 0.0) -> Scene:
     """The shipped scene with the lengths of a design, from open to some alpha, and dies met where it locks."""
     start, height, lock = opened(d), (d.L1 + d.L2) * np.sin(d.theta), platen(at(d, 0.0))
@@ -69,6 +71,8 @@ def locking(d: Design, alpha: float = 0.0) -> Scene:
     return load(SCENES["initial"], {path: float(value) for path, value in changes.items()})
 
 
+# M_P is measured as a ratio of forces in a run that ends at the rated alpha, under a force so large that inertia is
+# 6e-5 of it. R_S and the largest R_V are kinematic and are taken from the run to the lock.
 def _recheck(name: str, measured: Measurement, press: Scene) -> Recheck:
     engine, motion = measured.run.engine, measured.run.motion
     pressed = HERE.run(engine, press, Sampling(SAMPLES)).motion

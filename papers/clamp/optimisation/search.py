@@ -64,12 +64,16 @@ class Problem:
     def rows(self, d: Design) -> Array:
         """The objective, then what shall vanish, then what shall not be negative; shape (rows, ...)."""
         waived = self.waived
+        # An equality R_S = 1.12 and the active inequality R_S <= 1.12 have parallel gradients. The quadratic subproblem
+        # of SLSQP is then singular (no linear independence of active constraints), so the inequality is left out.
         if any(limit.measure == "R_S" for limit in self.equalities):
             waived = waived | {RATIO}  # at 1.12 a second gradient of the same direction is no help
         rows = [MEASURES[self.objective].of(d) / self.scale, *(limit.slacks(d)[0] for limit in self.equalities)]
         rows += [slack(d, self.clearance) for name, slack in PRINTED.items() if name not in waived]
         rows += [slack for limit in self.limits if limit not in self.equalities for slack in limit.slacks(d)]
         if self.rival is not None:
+            # Maximin in epigraph form: the largest of min(gains) is not smooth, "the largest first gain that the others
+            # reach too" is.
             force, ratio, length = gains(d, self.rival)
             rows += [ratio - force, length - force]
         return np.stack(rows)
@@ -79,6 +83,10 @@ class Problem:
         count = 1 + len(self.equalities)
         return np.concatenate([np.abs(rows[1:count]), np.maximum(-rows[count:], 0.0)])
 
+    # Gradients by complex steps, f'(u) = Im f(u + i h) / h (Squire and Trapp 1998): column 0 is the point itself,
+    # column 1 + j has the step in variable j, and one broadcast evaluation gives all nine. It takes formulas that are
+    # analytic where they are evaluated; a complex root does not fail where a design cannot be assembled, so `assembles`
+    # decides on the real point and the objective is replaced there.
     def with_gradients(self, u: Vector) -> tuple[Vector, Vector]:
         """The rows at a point of the unit box and their gradients there, shapes (rows,) and (rows, 8)."""
         steps = np.hstack([np.zeros((len(u), 1)), 1j * STEP * np.eye(len(u))])
@@ -124,6 +132,9 @@ class Optimum:
     agree: int  # searches that ended at the best value
 
 
+# Multistart: sequential quadratic programming from a Sobol sequence (Kraft 1988; Sobol 1967). The problem is smooth
+# with eight variables and has several local optima. No bound on the global optimum is known; how many starts end at the
+# best value (`agree`) is the evidence for it. A single agreeing start is a warning, none feasible gives NaN.
 def search(problem: Problem, starts: int) -> Optimum:
     """Search from that many points of a Sobol sequence, those at which a design assembles."""
     d = in_box(np.stack([_descend(problem, start) for start in _starts(starts)], axis=1))
@@ -140,6 +151,8 @@ def search(problem: Problem, starts: int) -> Optimum:
 def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
     """By how much differential evolution falls short of an optimum, relatively; negative if it is better."""
     # It starts from nothing and minimises the objective with what is violated added to it (Storn and Price 1997).
+    # A method without gradients, starts or active sets in common with the search: what both miss is unlikely to be
+    # there.
     evolved = differential_evolution(
         _penalised,
         [(0.0, 1.0)] * 8,
@@ -172,6 +185,8 @@ def _descend(problem: Problem, start: Vector) -> Vector:
     count = 1 + len(problem.equalities)
     constraints = [
         {"type": kind, "fun": lambda u, p=p: rows(u.tobytes())[0][p], "jac": lambda u, p=p: rows(u.tobytes())[1][p]}
+        # SLSQP asks for each constraint group and its Jacobian separately at the same point; the cache of one entry
+        # evaluates them once.
         for kind, p in (("eq", slice(1, count)), ("ineq", slice(count, None)))
         if kind == "ineq" or count > 1
     ]

@@ -82,6 +82,7 @@ def study(effort: Effort, ratios: Sequence[float], progress: Progress) -> list[P
         return [solved[name, place] for name, place, *_ in tasks]
 
     points = solve([*curve, *beyond])
+    # Two rounds, since the second one's limits are values of the first: M_P and R_S of each point of the main curve.
     best, rest = points[: len(ratios)], points[len(ratios) :]
     steps = [(LENGTHS, p.at, least_length(p), effort) for p in best if p.optimum.feasible]
     return [*best, *solve(steps), *rest]
@@ -133,6 +134,8 @@ def ahead(aim: str, condition: str, clearance: Clearance) -> Problem:
 
 def _beyond(effort: Effort) -> Iterator[Task]:
     once = replace(effort, restarts=0)
+    # All combinations of aims, of what must hold, and of what is assumed of the sizes. Where the answer differs between
+    # them it depends on what the source leaves open.
     for aim, condition, sizes in product(AIMS, CONDITIONS, SIZES):
         searched = once if (aim, sizes) == (SIX, "for scheme 4") else effort  # slow, and stricter
         yield AHEAD, f"{aim}; {condition}; sizes {sizes}", ahead(aim, condition, SIZES[sizes]), searched
