@@ -1,8 +1,7 @@
 """Kinetostatics with friction: each group's joints take what they rub by as loads, found from unit loads."""
 
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from typing import Any
 
@@ -102,8 +101,7 @@ class FrictionBalance(Balance):
 
     def loads(self, frictions: Sequence[Friction], group: Dyad | Group | Leg, **others: Any) -> list[Any]:
         """The loads X of (1) of `friction` while the group is balanced under other loads."""
-        trial = copy(self)
-        vars(trial).update(others)
+        trial = replace(self, **others)
         Balance.balance(trial, group)
         return [CONTACTS[type(one)].load(one, trial) for one in frictions]
 

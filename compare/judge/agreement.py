@@ -44,6 +44,13 @@ INSTANT_TOL = 1e-6  # of a cycle: instants are written at decimals
 MIN_FLOOR = 1e-9  # relative: by so much at least a sample of the reference may be off its bounds
 
 
+class FromSamples(NamedTuple):
+    """What of a judgement is found by samples, and outlasts them."""
+
+    causes: dict[str, str]
+    peaks: list[Peak]
+
+
 class Word(StrEnum):
     """The verdict in a word."""
 
@@ -99,6 +106,7 @@ class Judgement:
     measurements: list[Measurement]  # one an engine, in the order asked for
     reasons: list[str]  # what the user should know: of its numbers and its sketch, why engines run at their settings
     let_through: list[str] = field(default_factory=list, kw_only=True)  # undetected canaries: faults put into copies
+    from_samples: FromSamples | None = field(default=None, kw_only=True)  # of one that has none any more
 
     @cached_property
     def held(self) -> list[Gate]:
@@ -164,6 +172,8 @@ class Judgement:
     @cached_property
     def causes(self) -> dict[str, str]:
         """By engine that is not ok or misses a tolerance, the likely cause in a sentence; of a doubted core alone."""
+        if self.from_samples is not None:
+            return self.from_samples.causes
         missing = {gate.engine for gate in self.held if gate.missed}
         if not (missing or self.reference.floor.doubt) and all(m.run.status is Status.ok for m in self.measurements):
             return {}
@@ -210,6 +220,8 @@ class Judgement:
     @cached_property
     def peaks(self) -> list[Peak]:
         """The numbers by which a designer sizes the linkage, and by how much the engines differ on each."""
+        if self.from_samples is not None:
+            return self.from_samples.peaks
         return peaks(self.reference, self.sampling, self.measurements)
 
     @property

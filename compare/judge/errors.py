@@ -115,18 +115,29 @@ def error_table(
     mechanics, named = reference.mechanics, [*comparison.actual]
     floors = np.array([reference.floor.by_channel.get(channel, np.nan) for channel in named])
     worst = {channel: int(error.argmax()) for channel, error in comparison.actual.items()}
-    figures: list[tuple[float, ...]] = []
-    for channel, error in comparison.actual.items():
-        commanded = comparison.commanded[channel]
-        late, still = _largest(error[last_turn]), _largest(error[toggle]) if toggle.size else np.nan
-        of_all = error[worst[channel]], _largest(known[channel]), _rms(error)
-        figures.append((*of_all, late, still, _largest(commanded), _rms(commanded)))
-    shown = np.maximum(figures, np.where(floors >= 0, floors, least)[:, np.newaxis]).tolist()
+    figures = {
+        "max": [error[worst[channel]] for channel, error in comparison.actual.items()],
+        "unexplained": [_largest(known[channel]) for channel in named],
+        "rms": [*map(_rms, comparison.actual.values())],
+        "last_turn_max": [_largest(error[last_turn]) for error in comparison.actual.values()],
+        "toggle_max": [_largest(error[toggle]) if toggle.size else np.nan for error in comparison.actual.values()],
+        "commanded_max": [_largest(comparison.commanded[channel]) for channel in named],
+        "commanded_rms": [_rms(comparison.commanded[channel]) for channel in named],
+    }
+    shown = np.maximum([*figures.values()], np.where(floors >= 0, floors, least)).T.tolist()
     for channel, floor, row in zip(named, floors.tolist(), shown, strict=True):
-        explains = np.nan if explained is None else explained.largest_errors[channel]
-        place = float(comparison.axis[worst[channel]]), mechanics.axis.unit
-        scale = reference.scale[channel], mechanics.units[channel]
-        yield ChannelError._make((engine, channel, mechanics.groups[channel], *row, explains, *place, floor, *scale))
+        yield ChannelError(
+            engine=engine,
+            channel=channel,
+            group=mechanics.groups[channel],
+            **dict(zip(figures, row, strict=True)),
+            explained=np.nan if explained is None else explained.largest_errors[channel],
+            max_at=float(comparison.axis[worst[channel]]),
+            max_at_unit=mechanics.axis.unit,
+            floor=floor,
+            scale=reference.scale[channel],
+            unit=mechanics.units[channel],
+        )
 
 
 def worst_of(rows: Sequence[ChannelError], figure: str = "max") -> ChannelError:

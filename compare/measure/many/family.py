@@ -17,7 +17,7 @@ from ...engines.processes.stopping import Progress
 from ...engines.processes.workers import workers
 from ...engines.reasons import described
 from ...engines.runner import Runs
-from ...judge.agreement import Judgement
+from ...judge.agreement import FromSamples, Judgement
 from ...judge.floor import solved
 from ...judge.judgement import judgement
 from ...judge.measure import Measurement, offers
@@ -31,7 +31,6 @@ from .grid import VariedNumber
 MemberChanges: TypeAlias = Mapping[str, float]  # path in the scene file -> value, in the units of the file
 
 DRAWN = ("displacement", "velocity", "acceleration", "effort")  # kinds of curves
-SHOWN = ("causes", "peaks")  # of a judgement, which are found by samples
 INVALID = "invalid"  # status of a member that is no scene, beside those of an engine
 
 
@@ -152,6 +151,6 @@ def _kept(judged: Judgement) -> Judgement:
         measurements.append(replace(m, run=replace(m.run, motion=names), comparison=None))
     mechanics, solve = Mechanics(judged.scene), copy(judged.reference.at)
     reference = replace(judged.reference, mechanics=mechanics, at=solve, cycle=Motion({}))
-    kept = replace(judged, reference=reference, explained=Explained(nothing, {}), measurements=measurements)
-    vars(kept).update({name: getattr(judged, name) for name in SHOWN})
-    return kept
+    found = FromSamples(judged.causes, judged.peaks)
+    explained = Explained(nothing, {})
+    return replace(judged, reference=reference, explained=explained, measurements=measurements, from_samples=found)

@@ -17,7 +17,7 @@ from ...engines.processes.isolation import isolated
 from ...engines.processes.stopping import Progress
 from ...engines.processes.workers import Lasting
 from ...mechanics.mechanics import Mechanics
-from .family import SHOWN, Asked, Member, MemberChanges, changed, members, solved_member
+from .family import Asked, Member, MemberChanges, changed, members, solved_member
 
 Task: TypeAlias = tuple[MemberChanges, Scene | Member]  # a member's changes, and its scene
 Spread: TypeAlias = Callable[..., Iterator[tuple[Task, Member | Ended]]]  # of a function, tasks, and `poll`
@@ -58,24 +58,21 @@ def going_on(
 def _written(member: Member) -> Any:
     """A member as what JSON has, without its scene and the solver of that."""
     judged: Any = member.judgement
-    shown = {name: vars(judged)[name] for name in SHOWN} if judged else {}
     bare = judged and replace(judged, scene=None, reference=replace(judged.reference, mechanics=None, at=None))
-    return encoded([replace(member, judgement=bare), shown])
+    return encoded(replace(member, judgement=bare))
 
 
 def _read(data: Any, asked: Asked, change: MemberChanges) -> Member | None:
     """The member that was written, or None where something else was."""
     with suppress(Exception):  # whatever is there
-        member, shown = decoded(data)
+        member = decoded(data)
         if not isinstance(member, Member) or member.changes != change:
             return None
         if member.judgement is None:
             return member
         scene = with_changes(asked.scene, change)
         known = replace(member.judgement.reference, mechanics=Mechanics(scene), at=registry.reference(scene))
-        judged = replace(member.judgement, scene=scene, reference=known)
-        vars(judged).update(shown)
-        return replace(member, judgement=judged)
+        return replace(member, judgement=replace(member.judgement, scene=scene, reference=known))
     return None
 
 
