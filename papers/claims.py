@@ -21,7 +21,7 @@ import numpy as np
 from .written import Difference, Equation, Symbols
 
 EQUATION_TOL = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
-OPEN = (True, False)  # a claim in words that gives nothing to check
+UNDECIDED = (True, False)  # a claim in words that gives nothing to check
 
 Range: TypeAlias = tuple[float, float]
 Scale: TypeAlias = Mapping[str, tuple[float, str]]  # and unit, SI, by kind of quantity

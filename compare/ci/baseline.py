@@ -50,6 +50,7 @@ def _few(texts: Sequence[str]) -> str:
 
 def _differences(old: Json, new: Json, scene: Json | None = None) -> Iterator[tuple[Place, str]]:
     """What differs by more than round-off, and a text, with numbers of the scene in the units of its file."""
+    # Both summaries flattened to leaves by path: a table or list that one of the two lacks shows as its single leaves.
     before, after = dict(_leaves(old)), dict(_leaves(new))
     for path in dict.fromkeys((*before, *after)):
         was, now = before.get(path, "none"), after.get(path, "none")
@@ -110,6 +111,8 @@ def _errors(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
 
 def _ratio(was: SummaryError, now: SummaryError) -> float:
     """How many times as large an error is, of what is above rounding, as it was in the baseline."""
+    # Errors below what the reference itself can tell are noise from run to run: both are raised to that level before
+    # their ratio is taken, so that noise has the ratio one.
     least = max(ABOVE_FLOOR * (was.floor or 0.0), was.explained or 0.0, ROUNDING)
     before, after = (inf if error.max is None else max(error.max, least) for error in (was, now))
     return 1.0 if before == after else after / before
@@ -126,6 +129,8 @@ def _peaks(old: Summary, new: Summary, alike: bool) -> Iterator[Change]:
     for peak in (*old.peaks, *new.peaks):
         size[peak.of, peak.unit] = max(size.get((peak.of, peak.unit), MIN_CHANGE), abs(peak.value))
         largest[peak.unit] = max(largest.get(peak.unit, 0.0), abs(peak.value))
+    # A moment or work of zero by symmetry is a difference of products of forces and arms. Its round-off goes with these
+    # products, not with the value.
     for unit in ("N*m", "J"):  # of moments that are zero by symmetry, what is left of forces at their arms
         largest[unit] = max(largest.get(unit, 0.0), largest["N"] * largest["m"])
     moves: list[tuple[float, str]] = []
@@ -155,6 +160,8 @@ def _times(old: Summary, new: Summary) -> Iterator[Change]:
         for summary in (old, new)
     )
     for engine in new.engines:
+        # Absolute times differ from machine to machine. The ratio to the fastest engine of the same run does not, and
+        # the median over settings is not moved by one disturbed measurement.
         times = median([after[key] / before[key] for key in after if key[0] == engine and key in before] or [1.0])
         if not 1 / FACTOR <= times <= FACTOR:
             yield Change(f"{engine}: {times:.2g} times the time, each relative to the fastest engine of its run")

@@ -15,7 +15,9 @@ from ..judge.errors import shown_groups
 from ..judge.measure import Miss
 
 WORKSPACE, SUMMARY = "GITHUB_WORKSPACE", "GITHUB_STEP_SUMMARY"  # environment variables that its runners set
-MOST, LINES = 20, 1000  # linkages of a family, and lines, that a summary shows; it takes a megabyte
+MAX_LINKAGES, MAX_LINES = 20, 1000  # linkages of a family, and lines, that a summary shows; it takes a megabyte
+# TOML keys, tables and assignments as far as their line is looked for: tomllib returns no line numbers. A path in an
+# inline table or over several lines is found up to the part that begins a line; that line is then marked.
 _KEY = r"""(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)"""
 _PATH = rf"{_KEY}(?:\s*\.\s*{_KEY})*"
 _LINE = re.compile(rf"\s*(?:\[\[?\s*(?P<table>{_PATH})\s*\]|(?P<key>{_PATH})\s*=)")
@@ -29,11 +31,11 @@ def report(scene: Scene, judged: Mapping[str, Judgement], misses: Mapping[str, S
             print(annotation(scene, name, miss, causes.get(miss.engine, "")))
     if file := os.environ.get(SUMMARY):
         off = [name for name in judged if misses[name]] or [*judged]
-        lines = [line for name in off[:MOST] for line in _section(name, judged[name])]
+        lines = [line for name in off[:MAX_LINKAGES] for line in _section(name, judged[name])]
         lines += [f"- missed: {_plain(miss.text)}" for missed in misses.values() for miss in missed]
         try:
             with Path(file).open("a", encoding="utf-8") as summary:
-                summary.write("\n".join([*lines[:LINES], ""]))
+                summary.write("\n".join([*lines[:MAX_LINES], ""]))
         except OSError as error:
             raise InputError(f"{SUMMARY}: {file}: cannot be written ({error.strerror})") from None
 
@@ -80,6 +82,7 @@ def line_of(file: Path, path: Sequence[str]) -> int | None:
     for number, line in enumerate(text.split("\n"), start=1):
         if not (match := _LINE.match(line)):
             continue
+        # The longest part of the path that any line has, the first such line for a part of that length.
         here = tuple(key.strip("\"'") for key in re.findall(_KEY, match["table"] or match["key"]))
         table, here = (here, here) if match["table"] else (table, (*table, *here))
         if len(here) > known and here == tuple(path[: len(here)]):

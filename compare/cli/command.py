@@ -86,7 +86,7 @@ def console() -> None:
 
 @contextmanager
 def starting(name: str) -> Iterator[None]:
-    """Have what stops a main program, which is known by its `__name__`, during its imports end it as it does later."""
+    """End a main program (its `__name__` is `__main__`) that is stopped during its imports as it is ended later."""
     if name != "__main__":
         yield
         return
@@ -101,6 +101,8 @@ def starting(name: str) -> Iterator[None]:
         sys.exit(_end(error))
 
 
+# An exception raised by a signal handler may surface inside C code, which drops it or turns it into another one. The
+# handler therefore also records it, and what is recorded decides on the exit status.
 _stops: list[BaseException] = []  # what signals raised: C code can make another error of it, or drop it
 
 
@@ -110,15 +112,17 @@ def _stop(number: int, _: object) -> None:
 
 
 def _be_deaf() -> None:
-    """Have further stops do nothing to a main program that ends already: Python would end by the signal."""
+    """Ignore further stop signals while a main program ends: Python would end by the signal."""
     for number in (SIGINT, SIGTERM):
         if getsignal(number) is _stop:
             signal(number, SIG_IGN)
 
 
 def _prepare() -> None:
-    """Make the surroundings fit: streams that are closed, or cannot take every letter; threads; memory."""
+    """Prepare the process: streams that are closed or cannot encode every letter, threads, memory."""
     gc.set_threshold(OBJECTS)
+    # Python collects garbage once more when it ends, over all that was imported: objects that are frozen are passed
+    # over.
     atexit.register(gc.freeze)  # what is left goes with the process
     for descriptor in range(3):  # or the next file that is opened is what engines print to
         try:
@@ -155,6 +159,8 @@ def command(run: Callable[P, int]) -> Callable[P, int]:
                 status = _end(again)
         _be_deaf()
         output.flush()
+        # A reader that closes the pipe (`| head`) is no failure. Standard output is redirected to nowhere so that the
+        # interpreter's own flush at exit does not fail again, with a traceback.
         if output.trouble:
             _to_nowhere(sys.stdout)
             if not isinstance(output.trouble, BrokenPipeError):

@@ -25,6 +25,8 @@ SHOWN_S, SHOWN_BYTES = 30.0, 1e9  # above which a prediction is shown
 def predicted(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> tuple[float, float]:
     """What a run, or a family of so many members, costs without `--full`: s of processor time, and bytes."""
     bodies, numbers = len(scene.bodies), sampling.count * len(sampling.wanted(scene))
+    # Dense factorisations of three coordinates a body dominate with many bodies (cubic); everything else goes with the
+    # numbers that are returned (linear), the certificate with the bodies squared.
     matrices = MATRIX * (3 * bodies) ** 3 * sampling.count * len(engines)
     of_engines = numbers * sum(NUMBER.get(engine, OTHER) for engine in engines)
     seconds, memory = OF_BODIES * bodies**2 + matrices + of_engines, numbers * (SHARED + OWN * len(engines))

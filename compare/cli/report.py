@@ -193,6 +193,8 @@ def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[.
     if not options.check:
         return False
     able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}
+    # The canaries need the motions, which a family's members have dropped: the judgement of the scene as its file has
+    # it is made once more and its undetected faults are counted for the first member.
     for first in [*able.values()][:1]:  # whose motions are gone: the comparison itself is checked with others
         first.let_through.extend(judged(first.scene, options.engines, request).let_through)
     return stops(scene, able, options.format, () if able else ("every tolerance, since no member runs",))

@@ -1,7 +1,7 @@
 """Append-only checkpoint: one line a result, from which a run that was stopped resumes.
 
 Each line starts with a digest of itself and of the very same code, scenes and engines; any other line does not count.
-Several runs may add to the file at the same time. Where nothing can be kept, nothing is, and the run goes on.
+Several runs may add to the file at the same time. Where it cannot be written, the run goes on without it.
 
 A result is what JSON has, or `encoded` as that: numbers, texts, arrays, and the project's own records of them: data
 classes, named tuples, members of enumerations. Settings of an engine from outside stand as what is known of them
@@ -39,6 +39,9 @@ ARRAYS = "biufc"  # kinds of NumPy's types that are numbers
 MAX_BYTES = 2**26  # of a line: a member of a family has 2**20 at 360 samples
 
 
+# One line a result, appended in a single write: `digest JSON`, the digest over the version stamp and the text. The
+# format is its own recovery. A line cut short by a stop, two lines mixed by concurrent writers, or a line of another
+# version fails its digest and is passed over, and the result is computed again. Nothing is ever rewritten in place.
 class Kept:
     """A file of results, by name."""
 
@@ -51,7 +54,7 @@ class Kept:
                 raise OSError(EEXIST, "it is not a file")
 
     def read(self) -> Iterator[tuple[str, Any]]:
-        """Yield every name with its result, of one that is there twice both."""
+        """Yield every name with its result; a name that was added twice comes twice."""
         if self.trouble or not self._file.exists():
             return
         with self._trouble(), self._file.open("rb") as file:
@@ -94,6 +97,8 @@ def environment() -> dict[str, str]:
     return known | {package: version_of(package) for package in REPORTED}
 
 
+# The code is identified by the contents of its files rather than by a version number: a changed line of source, or of a
+# scene, invalidates all that was kept.
 @cache
 def version() -> str:
     """Return a digest of the code, the scenes, and the versions of all that is installed for them, on any machine."""
@@ -110,8 +115,10 @@ def version() -> str:
     return digest.hexdigest()
 
 
+# Data as tagged JSON instead of pickles, which run code when they are read. Only this project's own records are made
+# again: `_record` refuses any other class by name.
 def encoded(value: Any) -> Any:
-    """Return a value as what JSON has: a list as itself, all else that JSON lacks as one word and what is in it."""
+    """Return a value in JSON's types: lists as they are, any type that JSON lacks as {its name: its content}."""
     kind = type(value)
     if value is None or (isinstance(value, int | str) and not isinstance(value, Enum)):
         return value

@@ -65,6 +65,8 @@ class Entry:
         return "not installed"
 
 
+# Distributions are scanned by their metadata alone; no code of theirs is imported. Names are compared without case, as
+# files and options are; where several engines share a name all of them carry their distribution's.
 def entries(taken: Collection[str]) -> dict[str, Entry]:
     """Return the entries of all engines that installed distributions offer, by name; others have those `taken`."""
     first: dict[str, tuple[EntryPoint, ...]] = {}  # of one that is found twice; of a broken one there is none
@@ -107,6 +109,9 @@ def imported(entry: Entry) -> Engine[Any]:
     return engine
 
 
+# Code of strangers may crash, hang or print: an engine from outside is imported in a process with limits, and only what
+# it offers (names, labels, plain values) comes back. Settings are represented here by `StandIn`, with a pickle that is
+# opened in the engine's own process alone.
 def offered(entry: Entry) -> tuple[Engine[Any], Ended | None]:
     """An engine's offer, and how its import ended where that is nothing.
 
@@ -199,7 +204,7 @@ class StandIn(Settings):
 
 
 def told(settings: Settings) -> Told:
-    """What is told of an engine's settings: their pickle, in hex, and the meanings and plain values of their fields."""
+    """An engine's settings as plain data: their pickle in hex, and the meanings and plain values of their fields."""
     hints: Mapping[str, Any] = {}
     with suppress(Exception):  # annotations may be of anything
         hints = get_type_hints(type(settings), include_extras=True)
@@ -209,7 +214,7 @@ def told(settings: Settings) -> Told:
 
 
 def stood_in(told: Told) -> Settings:
-    """Settings that stand in for others, of which this is told, or raise whatever is wrong with that."""
+    """Stand-in settings from the plain data of `told`, or raise whatever is wrong with it."""
     as_sent, meanings, values = told
     known = tuple((name, text_of(meaning)) for name, meaning in meanings)
     if [*values] != [name for name, _ in known] or any(name.startswith("_") for name in values):

@@ -169,6 +169,8 @@ def _solved(
     engine: Engine[Any], scene: Scene, request: Request, settings: Settings | None, *, reads: bool
 ) -> dict[str, Any]:
     """How a run went that came to an end of the engine's own."""
+    # Three clocks: build, solve and read-out of the motion, each in processor time, and the solve on the wall besides.
+    # Imports are over before the first one starts.
     received = None if settings is None else unpacked(settings)
     try:
         started = processor_time()
@@ -275,6 +277,8 @@ def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: 
 def _check_rows(scene: Scene, request: Rows, motion: Motion) -> None:
     """Refuse a row that repeats the one before in all that moves, while the drive does not stand still."""
     commanded = request.commanded(scene)
+    # A row that is returned twice is an engine that did not step. All channels have to be equal at once: some may well
+    # be so on both sides of a dead point.
     moves = scene.channels.names(Role.kinematic)
     if not all(channel in motion for channel in moves):  # a few may be the same on both sides of a dead point
         return

@@ -19,7 +19,7 @@ def one_thread() -> Iterator[None]:
     before = {**os.environ}
     from threadpoolctl import threadpool_limits  # late: a command has its number from its first moment on
 
-    for name in os.environ.keys() - before.keys():  # which its import sets
+    for name in os.environ.keys() - before.keys():  # its import sets KMP_DUPLICATE_LIB_OK
         del os.environ[name]
     os.environ[VARIABLE] = "1"
     try:

@@ -56,6 +56,7 @@ def seen(channels: Channels, frame: Frame, samples: Mapping[str, Samples]) -> di
             other[name] = way * values * (frame.factor if is_moment else 1.0)  # its sign is that of a turning
     for x, y in vectors(channels, samples):
         zero = 0 * samples[x if x in samples else y]
+        # x - iy is the mirrored vector, x + iy the vector itself: `way` is the sign of y.
         vector = turn * (samples.get(x, zero) + way * 1j * samples.get(y, zero))
         if not channels[x].is_force:
             vector = frame.factor * vector + (frame.origin if channels[x].order == 0 else 0)

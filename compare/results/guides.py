@@ -1,7 +1,7 @@
 """A guide's force by the ground's axes, `BODY.guide_fx` and `BODY.guide_fy`, as this project's `BODY.guide_force`.
 
 With n the unit vector along the guide turned by +90 degrees, which turns with what has the guide, the force (X, Y) is
-X n_x + Y n_y across the guide. What it has along the guide is friction's; where there is none, it has to vanish.
+X n_x + Y n_y across the guide. A component along the guide can only be friction; without friction it has to vanish.
 """
 
 from collections.abc import Mapping
@@ -30,6 +30,9 @@ def to_guides(scene: Scene, columns: dict[str, Samples], halves: dict[str, Sampl
                 raise InputError(f"columns.{given}: expected {name} too, as the guide is along no axis")
         force = columns.pop(names[0], zero) + 1j * columns.pop(names[1], zero)
         half = halves.pop(names[0], zero) + 1j * halves.pop(names[1], zero)
+        # The force in the guide's axes: the real part along it, which only friction can have, the imaginary part across
+        # it. Its share along the guide may be as large as decimals and the guide's angle as written allow, and no
+        # larger.
         in_guide = force * along.conj()
         columns[across] = in_guide.imag
         halves[across] = half.real * np.abs(along.imag) + half.imag * np.abs(along.real)

@@ -61,6 +61,7 @@ def _apart(files: Sequence[Path], tables: Sequence[Table], column: str) -> str:
             same: NDArray[np.bool_] = np.array(texts[:count]) == np.array(others[:count])
         else:
             (a, half), (b, other) = known, numbers
+            # Two programs may round one instant to different decimals: numbers agree if their rounding intervals touch.
             same = np.abs(a[:count] - b[:count]) <= ROUNDING * (half[:count] + other[:count])
         if not same.all() or len(texts) != len(others):
             row = count if same.all() else int((~same).argmax())

@@ -48,6 +48,9 @@ def _rates(largest: Mapping[str, float], length: float) -> Iterator[tuple[str, f
         yield f"rad{each}", places / length
 
 
+# One minus the squared multiple correlation of each column with the rows of `base`: the share of its variance that no
+# linear combination explains. An orthonormal basis from QR, as normal equations would square the condition; rows that
+# depend on others, or stand still, drop out by their diagonal of R.
 def left_by(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
     """Return the share of each column's square that is left by the line, or the plane, nearest to it."""
     centred = columns - columns.mean(axis=1, keepdims=True)
@@ -62,7 +65,7 @@ def left_by(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
 def by_links(
     channels: Channels, true: Mapping[str, Samples], columns: NDArray[np.float64], known: Sequence[float]
 ) -> list[ByLink]:
-    """Return the columns that a vector by a link's axes explains to so much of them, by column; places are none."""
+    """Return the columns that a vector by a link's axes explains better than `known`; places are left out."""
     angles = {channels[c].subject: values for c, values in true.items() if channels[c].modulo_turn}
     best: dict[int, ByLink] = {}
     for x, y in vectors(channels, true):

@@ -28,11 +28,11 @@ from .result import name_and_files
 from .table import Table
 
 MAPPED = (Role.kinematic, Role.force, Role.friction)  # roles of channels that a column may be
-FEWEST, ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
+MIN_ROWS, MAX_ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
 LAGS = 24  # parts of a cycle in which the table may begin
 PARTS, CLOSER = 6, 2  # of a step between lags, and how many of these are tried: the best one need not be the nearest
 MAX_HALVINGS = 11  # of a cycle: by a third of a degree of a crank, instants may be told apart
-LEAST, MOST = 0.05, 1000.0  # cycles of the drive that a table is of: of next to none every channel is a line
+MIN_CYCLES, MAX_CYCLES = 0.05, 1000.0  # cycles of the drive that a table is of: of next to none every channel is a line
 FIT_TOL = 1e-2  # of a column: what a channel leaves of it at most
 SAME_TOL = 1e-6  # of a column's square: what a vector leaves whose frame is looked for
 PRICE_OF_FRAME = 0.5  # turned or mirrored, as of a sign: columns may just as well be in another order
@@ -55,6 +55,8 @@ def proposed(scene: Scene, text: str) -> str:
     time = axis.time + axis.lag
     true = solve(inputs_of(scene, time).driven().position, time).samples
     turn = _turn(scene.channels, true, columns[rest])
+    # Eight frames are tried: four right angles from the one that vectors show (`_turn`), each plain and mirrored. A
+    # frame is charged PRICE_OF_FRAME, and the scene's own is taken wherever it fits as well as the best.
     unwrapped = {
         c: np.unwrap(true[c]) if scene.channels[c].modulo_turn else true[c] for c in scene.channels.names(*MAPPED)
     }
@@ -97,14 +99,16 @@ def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
     if not numeric:
         raise InputError("expected columns of numbers, found none")
     count = len(table.rows)
-    if count < FEWEST:
-        raise InputError(f"expected {FEWEST} rows at least to propose a mapping from, found {count}")
-    rows = np.unique(np.linspace(0, count - 1, min(count, ROWS)).astype(int))
+    if count < MIN_ROWS:
+        raise InputError(f"expected {MIN_ROWS} rows at least to propose a mapping from, found {count}")
+    rows = np.unique(np.linspace(0, count - 1, min(count, MAX_ROWS)).astype(int))
     return [*numeric], np.array([_counted_on(values[rows]) for values in numeric.values()])
 
 
 def _counted_on(values: Samples) -> Samples:
     """Return a column counted on from turn to turn where it jumps by one, as an angle between -180 and 180 degrees."""
+    # A jump is a change of turn if it is nearly a whole turn, and the steps are less than a quarter of one when it is
+    # taken back; a quantity that really leaps, or spans more than a turn, is left alone.
     for turn in (2 * pi / size for size in OF_ANGLES.values()):
         continued = np.unwrap(values, period=turn)
         jump, step = np.abs(np.diff(values)).max(), np.abs(np.diff(continued)).max()
@@ -164,10 +168,13 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
         lag = (candidate.time + candidate.lag - other.time - other.lag) / cycle
         return bool(np.abs(lag - np.round(lag) * repeats).max() > SAME_UNIT_TOL / (2 * pi))
 
-    most = MOST if repeats else 1 + SAME_TOL
-    axes = [axis for axis in _axes(scene, names, columns) if LEAST <= np.ptp(axis.time) / cycle <= most]
+    most = MAX_CYCLES if repeats else 1 + SAME_TOL
+    axes = [axis for axis in _axes(scene, names, columns) if MIN_CYCLES <= np.ptp(axis.time) / cycle <= most]
     if not axes or len(names) < 2:
         raise InputError("expected a column that rises as the time does, or turns as the crank does, and another")
+    # A global search for the lag, which has many local optima: a grid over the cycle, a finer grid about the best two,
+    # and a bounded minimisation between its neighbours. What counts is the mean of the logarithm of what is left of
+    # each column, so that several columns that fit exactly outweigh one that fits badly in any case.
     steps, finer = cycle / LAGS * np.arange(LAGS), cycle / (LAGS * PARTS)
     tried = [candidate for axis in axes for candidate in at(axis, (0.0, *(steps if repeats else steps - axis.time[0])))]
     closer = finer * np.arange(-PARTS, PARTS + 1)
@@ -182,6 +189,8 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
     plain = at(near, (0.0, near.lag, float(refined.x)))
     best = min(plain, key=mean)
     best = next(candidate for candidate in plain if as_good(candidate, best))
+    # Whether another lag fits as well: symmetric motions repeat after parts of a cycle, so that halves, quarters and so
+    # on are tried about the best one.
     moves = [way * cycle / 2**k for k in range(1, MAX_HALVINGS) for way in (1, -1)]
     tried += at(best, [best.lag + move for move in (*moves, *steps)])
     lag = best.lag - cycle if repeats and best.lag > cycle / 2 else best.lag
@@ -194,6 +203,9 @@ def _turn(channels: Channels, true: Mapping[str, Samples], columns: NDArray[np.f
     angles = []
     for x, y in vectors(channels, true):
         base = np.array([true[x], true[y]])
+        # A column of a frame turned by b is a x + b y up to scale. Right angles and mirroring only exchange and negate
+        # components: the angle is taken modulo a quarter turn, as four times itself, and the angle that most columns
+        # share within a tolerance wins.
         base = base - base.mean(axis=1, keepdims=True)
         if np.linalg.cond(base) < 1e3:
             for column in columns[left_by(base, columns) < SAME_TOL]:
@@ -210,6 +222,8 @@ def _paired(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np
     """Return the pairs that cost least together, those that fit, and the cost of all."""
     from scipy.optimize import linear_sum_assignment
 
+    # Assignment problem (Hungarian method): each column has at most one channel and the sum of costs is least. Greedy
+    # pairing would give a column's best channel away to another one that fits others as well.
     fits = _pairs(channels, seen, columns)
     costs = np.array([[_cost(channels[pair.channel], pair) for pair in row] for row in fits])
     rows, chosen = linear_sum_assignment(costs)
@@ -222,6 +236,8 @@ def _paired(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np
 
 def _pairs(channels: Channels, seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:
     values = np.array([*seen.values()])
+    # All least-squares lines c = p v + q at once: slopes from centred products, what is left from the correlation. A
+    # channel that stands still gets no slope.
     v, c = (each - each.mean(axis=1, keepdims=True) for each in (values, columns))
     squares = (v**2).sum(axis=1)
     moves = squares > 1e-18 * (values**2).sum(axis=1)

@@ -211,6 +211,7 @@ def _to_frame(scene: Scene, columns: Columns, halves: Columns, mapping: MappingF
     given, units = mapping.frame, factors(mapping.units)
     relative = any(drive.on != GROUND for drive in scene.drives)
     frame = Frame(units["rad"] * given.angle, units["m"] * complex(*given.origin), given.mirrored, relative=relative)
+    # Half decimals are bounds: a turned component's is the sum of both parts by magnitude.
     c, s = abs(np.cos(frame.angle)), abs(np.sin(frame.angle))
     for x, y in vectors(scene.channels, columns):
         if x in columns and y in columns:
@@ -262,5 +263,6 @@ def _on_time(scene: Scene, columns: Columns, halves: Columns, rows: NDArray[np.i
     if not (scene.periodic or (first >= -hair and last <= scene.cycle + hair)):
         runs = f"from 0 to {scene.cycle:g} s, while the drive runs"
         raise InputError(f"time: expected instants {runs}, found {first:g} s to {last:g} s; its 'zero' shifts them")
+    # Equal steps as written are taken for exact instants: 0.333, 0.667, 1.000 are not equal, 0.1, 0.2, 0.3 are.
     if len(steps) > 1 and np.ptp(steps / np.abs(np.diff(rows))) <= EQUAL_STEP_TOL * 2 * halves["time"].max():
         halves["time"] = np.zeros(len(steps) + 1)  # equal steps as written are not rounded

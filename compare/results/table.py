@@ -46,6 +46,9 @@ class Table:
         likes = texts  # of a column of one number, whose own digits show nothing, all that are in the file
         if len(set(texts)) == 1:
             likes = [each[row] for each in self.texts for row in (0, -1) if NUMBER.fullmatch(each[row])]
+        # Programs write fixed decimals (%.6f) or significant digits (%.9g), and drop zeros at the end. The column's
+        # most decimals, or most digits, occur in many of its numbers, and the more frequent of the two is how it was
+        # written. The first gives one last decimal for all, the second one for each number's size.
         decimals, digits, _ = map(np.array, zip(*map(_written, likes), strict=True))
         last = np.full(len(texts), -float(decimals.max()))
         if (digits == digits.max()).sum() > (decimals == decimals.max()).sum():  # more are to the full in their digits
@@ -139,6 +142,7 @@ def _of_units(row: Sequence[str]) -> bool:
 
 def _separator(lines: Sequence[str]) -> str:
     head = lines[0]
+    # The names decide, as they hold no decimal commas; text in quotes is left out.
     separators = [separator for separator in SEPARATORS if separator in re.sub(r'"[^"]*"', "", head)]
     if len(separators) == 1:
         return separators[0]

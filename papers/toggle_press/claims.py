@@ -12,10 +12,10 @@ from compare.report.figures.style import DASHES, GREY, colour, layout, marker
 from scenes import load
 from scenes.model.motion import Samples
 
-from ..claims import OPEN, Claim, comparison, judge, number, span
+from ..claims import UNDECIDED, Claim, comparison, judge, number, span
 from .forces import claims as force_claims
 from .kinematics import LENGTHS, POSITIONS, RATES, over_two_turns, scale_of
-from .table_1 import HEIGHT, MOST, PART, PATHS, Press, Side, entries, family, lowest, press, rounded, speed
+from .table_1 import HEIGHT, MAX_STROKES, PART, PATHS, Press, Side, entries, family, lowest, press, rounded, speed
 
 SOURCE = "toggle press"
 SCENES = ("toggle_press", "crank_press")
@@ -124,7 +124,7 @@ def _conclusions(toggle: Press, crank: Press) -> Iterator[Claim]:
     yield comparison(
         "introduction, curves for different rod lengths",
         "announced, neither lengths nor curves given",
-        OPEN,
+        UNDECIDED,
         f"stroke {least:.1f} to {most:.1f} mm with one length {100 * PART:g} % longer or shorter",
     )
 
@@ -136,7 +136,8 @@ def figures() -> Iterator[tuple[str, str, Figure]]:
     """Yield title, note and figure of every picture."""
     yield (
         "Toggle press against crank press: the slider over a turn",
-        f"From where each slider is lowest, as the crank turns; {MOST} strokes a minute. Circles: 6 mm above it.",
+        f"From where each slider is lowest, as the crank turns; {MAX_STROKES} strokes a minute."
+        " Circles: 6 mm above it.",
         _presses(),
     )
     yield (

@@ -111,7 +111,7 @@ def family() -> Iterator[tuple[str, Press]]:
 
 HEIGHT, FORCE = 6e-3, 1600e3  # m above the lowest point, N
 HEIGHTS = (5.5e-3, HEIGHT, 6.5e-3)  # "6 mm" and the ends of its rounding
-FEWEST, MOST = 40, 60  # strokes a minute
+MIN_STROKES, MAX_STROKES = 40, 60  # strokes a minute
 UNIFORM_TOL = 0.1  # of the largest speed: where it varies by more it is not uniform
 TOGGLE, CRANK = "toggle press", "crank press"
 PRINTED: Mapping[str, Mapping[str, str]] = {
@@ -121,7 +121,7 @@ PRINTED: Mapping[str, Mapping[str, str]] = {
 SIGN = "printed negative: the slider goes down"
 
 
-def speed(rate: float, strokes: float = MOST) -> float:
+def speed(rate: float, strokes: float = MAX_STROKES) -> float:
     """The slider's speed, mm/s, by its rate, m/rad, and the strokes a minute."""
     return 1e3 * rate * tau * strokes / 60
 
@@ -154,7 +154,9 @@ def _column(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim
     yield entry("pressure angle [deg]", lambda angle, _: degrees(angle))
     yield _uniform(name, printed["from"], press)
     yield _unit(name, printed["speed"], press)
-    yield entry("speed [mm/s]", lambda _, rate: -speed(rate), f"{MOST} strokes a minute", FEWEST / MOST)
+    yield entry(
+        "speed [mm/s]", lambda _, rate: -speed(rate), f"{MAX_STROKES} strokes a minute", MIN_STROKES / MAX_STROKES
+    )
     yield entry("torque [N m]", lambda _, rate: FORCE * rate, f"{FORCE / 1e3:g} kN")
 
 
@@ -165,7 +167,7 @@ def _uniform(name: str, start: str, press: Press) -> Claim:
         f"table 1 uniform speed, {name}",
         f"from {start} to 180°",
         [rates.min() >= (1 - UNIFORM_TOL) * rates.max() for rates in parts],
-        f"falls from {fastest} mm/s to {speed(max(rates.min() for rates in parts)):.0f}, at {MOST} a minute",
+        f"falls from {fastest} mm/s to {speed(max(rates.min() for rates in parts)):.0f}, at {MAX_STROKES} a minute",
         f"within 10 % of that 6 mm above {' or '.join(_steady(*way) for way in press.closing.items())}",
     )
 
@@ -188,7 +190,7 @@ def _unit(name: str, printed: str, press: Press) -> Claim:
         size - peak,
         (size - peak, size - peak),
         scale=peak,
-        computed=f"at most {peak:.3f} m/s over the whole turn, at {MOST} a minute",
+        computed=f"at most {peak:.3f} m/s over the whole turn, at {MAX_STROKES} a minute",
         corrected=("mm/s", size / 1e3 - peak),
         note=SIGN,
     )
@@ -198,7 +200,7 @@ def _virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     """Yield rows on entries of table 1 together: its speeds, torques and force, and its speed and a conclusion."""
     for name, printed in PRINTED.items():
         v, torque = abs(float(printed["speed"])) / 1e3, float(printed["torque"])
-        low, high = (torque * tau * strokes / 60 / v / 1e3 for strokes in (FEWEST, MOST))
+        low, high = (torque * tau * strokes / 60 / v / 1e3 for strokes in (MIN_STROKES, MAX_STROKES))
         yield number(
             f"table 1 virtual work, {name}: nominal force [kN]",
             "1600",
@@ -213,7 +215,7 @@ def _virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
         "table 1 virtual work, ratio of the torques",
         f"{torques[0] / torques[1]:.3f}",
         share,
-        allowed=[(share * FEWEST / MOST, share * MOST / FEWEST)],
+        allowed=[(share * MIN_STROKES / MAX_STROKES, share * MAX_STROKES / MIN_STROKES)],
         among_printed=True,
         note="the ratio of the speeds, at the same force and as many strokes a minute",
     )
@@ -224,7 +226,7 @@ def _virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
             f"table 1 speed, {TOGGLE}, with the quick return of conclusion 2 [mm/s]",
             PRINTED[TOGGLE]["speed"],
             -speed(side.at(HEIGHT)[1]),
-            allowed=[span(-speed(rate, strokes) for rate in rates for strokes in (FEWEST, MOST))],
+            allowed=[span(-speed(rate, strokes) for rate in rates for strokes in (MIN_STROKES, MAX_STROKES))],
             among_printed=True,
             note=f"it returns quickly only {way}; {SIGN}",
         )

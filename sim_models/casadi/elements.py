@@ -29,6 +29,7 @@ def _press(linkage: "SymbolicLinkage", load: PressForce, place: str) -> Acting:
     from casadi import jtimes, logic_and, vertcat
 
     x, end = linkage.slid(load.body), linkage.stroke_ends[[*linkage.scene.presses].index(place)]
+    # A truth value as a factor, 1 or 0: compiled functions have no branches.
     before_end, closes = load.closing * (end - x), load.closing * jtimes(x, linkage.x, linkage.v) > 0
     return Acting(forces=[(load.ends[0], logic_and(before_end <= load.last, closes) * vertcat(*load.force))])
 

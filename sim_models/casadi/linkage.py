@@ -94,6 +94,8 @@ class SymbolicLinkage:
             for end, force in of_element.forces:
                 work += jtimes(self.point(*end), x, force, True)
         potential += stored
+        # d/dt (dT/dv) by the chain rule: the momentum p(x, v) along x' = v and v' = a. Energies enter by derivatives,
+        # so that no inertia force, spring force or Coriolis term is written down.
         momentum = casadi.gradient(kinetic, v) if self.bodies else v
         return jtimes(momentum, x, v) + jtimes(momentum, v, a) - casadi.gradient(kinetic - potential, x) - work
 
@@ -125,6 +127,8 @@ def channels(linkage: SymbolicLinkage, multipliers: Any) -> dict[str, Any]:
     known: dict[str, Any] = {scene.channels.drive.position: linkage.drive_position}
     for point, names in scene.channels.points.items():
         place = linkage.point(scene.owners[point][0], point)
+        # Directional derivatives: velocity is d place/dx v; acceleration is the same of the velocity, plus its part by
+        # v' = a.
         velocity = jtimes(place, x, v)
         vectors = place, velocity, jtimes(velocity, x, v) + jtimes(velocity, v, a)
         for both, vector in zip(names, vectors, strict=True):

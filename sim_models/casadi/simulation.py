@@ -51,6 +51,8 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     def _integrated(self) -> list[ClosedPose]:
         """Return the poses at the samples, by Runge and Kutta's method of dx/ds = C_x^-1 e; nothing is corrected."""
         follower, unit, count = self._follower, self._system.drive_unit, self._steps
+        # Integration by the drive's position instead of the time: dx/ds = C_x^-1 e does not depend on the law. Gaps are
+        # not corrected and grow with the method's error, of order 4 in the step.
         positions = self._system.drive.law.after(np.arange(count + 1) / (self._each * self._samples))
         step, poses, pose = self._step(), [self._start], self._start
         for number, (position, width) in enumerate(zip(positions[:-1], np.diff(positions) / unit, strict=True), 1):
@@ -80,6 +82,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         linkage, count = self._system.linkage, len(self._start.x)
         _, jacobian, bend = linkage.functions
         x, rate, acceleration = MX.sym("x", count), MX.sym("rate"), MX.sym("acceleration")
+        # Three linear systems with one Jacobian: velocity, acceleration, and with its transpose the multipliers.
         J, unit = jacobian(x), np.eye(count)[:, -1] / self._system.drive_unit
         v = casadi.solve(J, unit * rate, SOLVER)
         a = multipliers = MX.zeros(count)

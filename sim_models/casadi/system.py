@@ -60,6 +60,9 @@ class CasadiSystem(System):
         x, g = MX.sym("x", len(self.units)), MX.sym("g", len(self.row_units))
         J = jacobian(x)
         rate = casadi.solve(J, g - gaps(x), SOLVER)
+        # Taylor predictor of second order along the line from C(x) to g; C'' along the rate is the bend. A fixed number
+        # of full Newton corrections, since compiled code has no exit in between; the first and the last decide whether
+        # they converged.
         way = rate - casadi.solve(J, bend(x, rate), SOLVER) / 2
         reached, corrections = x + way, []
         for _ in range(CORRECTIONS):

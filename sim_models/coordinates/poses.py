@@ -83,6 +83,8 @@ class PathFollower:
         travel = self.system.drive.unit
         gaps, parts = np.zeros(len(poses)), np.zeros(len(poses))
         for row, (pose, position) in enumerate(zip(poses, positions.tolist(), strict=True)):
+            # Near a lock dx/ds is large: the relative round-off of that solution is eps times the largest coordinate
+            # rate, over the drive's own scale. A promise below that cannot be kept.
             rate, bend = self.tangent(pose)
             parts[row] = max(np.abs(rate).max() * travel, np.abs(bend).max() * travel**2)
             gaps[row] = np.abs(self.system.gaps(pose.x) - self.goal(position)).max()
@@ -98,6 +100,9 @@ class PathFollower:
 
         Where none leads on, it raises the failure of the last pose.
         """
+        # A stack of goals: one that is not reached, or only on another branch, is halved towards the present pose, and
+        # the half is tried first. The branch is checked by the sign of the determinant at the ends of each step: two
+        # changes of sign within one step would be missed.
         ahead = [goal]
         for _ in range(MAX_PARTS):
             self.budget.check(f"{self.counters['steps']} steps are done")
@@ -128,6 +133,7 @@ class PathFollower:
     def assembles(self, pose: ClosedPose, position: float) -> bool:
         """Return whether there is a pose nearby, by least squares."""
         goal = self.goal(position)
+        # Levenberg-Marquardt, since the Jacobian may be singular there.
         closest = least_squares(lambda x: self.system.gaps(x) - goal, pose.x, self.system.jacobian, method="lm")
         return bool(np.abs(closest.fun).max() <= MAX_GAP)
 
@@ -161,6 +167,7 @@ def begun(
     """
     system = kind(scene)
     poses, drawn = PathFollower(system), system.drive.in_range(scene.sketch.drive)
+    # Homotopy from the sketch: its gaps are brought to zero in CLOSING equal parts.
     x = system.placed(on_sketch(system, drawn))
     pose, gaps = poses.pose(x), system.gaps(x)
     apart = partial(_apart, poses, drawn)
@@ -189,6 +196,8 @@ def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
         if system.drive.body in group and system.drive.slide is None:
             angle = position
         elif GROUND not in group:
+            # Orthogonal Procrustes problem in the plane: the best common angle is arg sum conj(s) z, with the points s
+            # of each body about their mean.
             fits = (np.vdot(in_body[n] - in_body[n].mean(), seen[n]) for n in sorted(group) if len(in_body[n]))
             angle = float(np.angle(sum(fits)))
         # A body without a sketched point has guides alone, which are met from anywhere.
@@ -214,6 +223,8 @@ def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> flo
     def closed(pose: ClosedPose) -> float:
         return closing * float(poses.system.slid(poses.system.moved(pose.x), body)[0].real)
 
+    # Sampled with a quarter of the largest step over the whole range; the best sample's neighbours bracket the dead
+    # point.
     known = {begin: start}
     for end in poses.system.drive.law.extent:
         positions = np.linspace(begin, end, int(np.ceil(abs(end - begin) / step)) + 1)[1:].tolist()

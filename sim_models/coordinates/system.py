@@ -108,6 +108,8 @@ class System:
                 continue
             carrier, through, along, first = self.guides[name]
             carrier_motion, ((x,), (dx,), (ddx,)) = bodies[carrier], levels_of
+            # A slider by its displacement x alone: the place of the carrier's guide at x, with the relative velocity
+            # along the guide and the Coriolis acceleration 2 i omega x'. It turns with its carrier.
             place, velocity, acceleration = carrier_motion.at(through + along * x - first)
             guide = carrier_motion.turn * along
             velocity, acceleration = (
@@ -149,6 +151,8 @@ class System:
             first, second = (bodies[body].at(self.arms[body, pin.point])[level] for body in (pin.first, pin.second))
             rows += [(second - first).real, (second - first).imag]
         for name in self.sliders:
+            # One row form at three levels: values, first derivatives and second derivatives of the same expression.
+            # With unit rates in v the first level gives all columns of the Jacobian at once, of shape (rows, n).
             turn, carrier_turn = (bodies[body].turning[level] for body in (name, self.guides[name].carrier))
             rows += [self.slid(bodies, name)[level].imag, turn - carrier_turn]
         rows.append(self.driven(bodies, level))
@@ -175,6 +179,9 @@ class System:
                 x = x + correction
                 if length <= ROUND_OFF or (length <= CONVERGED_TOL and length > largest):
                     break
+                # Corrections have to shrink by a constant factor, as those of simplified Newton do in its region of
+                # convergence. At CONVERGED_TOL round-off may stop them; else slow ones mean that the prediction was too
+                # far off.
                 largest = MAX_CONTRACTION * length
             return ClosedPose(x, self.jacobian(x)) if length <= CONVERGED_TOL else None, iterations
         except np.linalg.LinAlgError:
@@ -190,6 +197,7 @@ class System:
         p, v, a = (
             point - guide for point, guide in zip(bodies[slider].at(first), carrier_motion.at(through), strict=True)
         )
+        # Velocity and acceleration relative to the turning guide: transport and Coriolis terms are taken off.
         seen, axis = v - 1j * carrier_motion.omega * p, (carrier_motion.turn * along).conjugate()
         return (
             axis * p,

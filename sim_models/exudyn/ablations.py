@@ -58,6 +58,9 @@ class ReducedSystem(ExudynSystem):
         """What a system of whole bodies would have recorded, shape (3 or 4, n, 3 bodies), from this one's."""
         wide = np.zeros((len(samples), len(times), 3 * len(self.bodies)))
         wide[:3] = samples[:3] @ self._parts
+        # A body about a pivot of the ground has its angle alone: its centre of mass is at the arm from the pivot, with
+        # the rate i omega r and the acceleration (i alpha - omega^2) r. A slider has its displacement, and the constant
+        # offset of its guide.
         for name, x, y, turn in zip(self.bodies, *np.arange(3 * len(self.bodies)).reshape(-1, 3).T, strict=True):
             if name in self.pivots:
                 angle, omega, alpha = wide[:3, :, turn]
@@ -75,6 +78,9 @@ class ReducedSystem(ExudynSystem):
     def _all_multipliers(self, poses: PoseSolver, motion: Array, multipliers: Array, times: Array) -> Array:
         """Those of all joints, shape (n, constraints): this system's own, and the others that the motion needs."""
         (q, v, a), whole, equations = motion, poses.system, poses.equations
+        # C_q^T lambda = f - M a of the system with whole bodies: as many multipliers as coordinates, so that the square
+        # matrix gives all of them. The system's own multipliers replace theirs where it has them, as those are what the
+        # integration solved for.
         needed = equations.forces(q, v, times) - equations.masses * a
         every: Array = np.linalg.solve(equations.jacobian(q).swapaxes(1, 2), needed[..., np.newaxis])[..., 0]
         kept = [*(whole.pins[name] for name in self.pins), *(whole.slides[name] for name in self.slides), whole.drive]
@@ -130,6 +136,8 @@ class SpatialSystem(ExudynSystem):
         super().__init__(scene, drive, si=si)
         joints, bodies = (*self.pins.values(), *self.slides.values()), range(len(self.bodies))
         self.coordinates = np.array([6 * number + column for number in bodies for column in self.in_plane])
+        # A pin in space has three multipliers, of which the third, out of the plane, is switched off; a body's
+        # coordinates in the plane are 0, 1 and 5 of six.
         planar = [column for joint in joints for column in self.columns(joint)[:2]]
         self.multipliers = np.array(planar + self.columns(self.drive))
 

@@ -51,6 +51,8 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are. In a kinematic
     scene the gaps alone count: near a singular configuration, the round-off of forces would keep the norm up.
     """
+    # Inertia forces of the order mass times size times pace^2, gravity, and what springs and loads can reach; their
+    # largest, rounded to a power of two in the logarithm.
     rate = scene.pace
     acceleration = size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
     forces = [body.mass * acceleration for body in bodies.values()]
@@ -70,6 +72,8 @@ def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
         p, q = body.bases[apex]
         a, b = (body.lengths[frozenset((base, apex))] for base in (p, q))
         base = points[q] - points[p]
+        # Apex of a triangle by its three sides: x along the base by the cosine law, the height by Pythagoras, with the
+        # sign of the sketch's orientation.
         x = (abs(base) ** 2 + a**2 - b**2) / (2 * abs(base))
         if not abs(x) <= a:
             raise Failure(Status.cannot_assemble, f"{body.name}: the lengths '{p}-{apex}' and '{q}-{apex}' do not meet")

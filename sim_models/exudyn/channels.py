@@ -41,6 +41,8 @@ def kinematics(system: ExudynSystem, q: Array, v: Array, a: Array | None = None)
 def forces(system: ExudynSystem, multipliers: Array) -> dict[str, Array]:
     """The force channels, from multipliers in their order, shape (n, constraints)."""
     scene = system.scene
+    # The system's joints are added in the order of the force channels, so that multipliers and channels correspond one
+    # to one. A force of the first body on the later one is -lambda.
     every = dict(zip(scene.channels.names(Role.force), -system.force_unit * multipliers.T, strict=True))
     for name, slide in scene.slides.items():
         force, moment = scene.channels.guides[name]

@@ -25,6 +25,8 @@ def pieces(law: DriveLaw, end: float) -> Sequence[Piece]:
     count = cycles * len(law.pieces)
     if isinstance(law, SegmentedLaw):
         return every[: count + law.periodic]  # to the next cycle's first one belongs the end of the last
+    # A spline's neighbouring pieces may be parts of one cubic, as at the second knot of a not-a-knot spline. Only a
+    # jump of the jerk (third derivative) disturbs the integration; pieces without one are joined.
     cubics = [cubic._replace(polynomial=[*map(float, cubic.polynomial)], within=inf) for cubic in every[:count]]
     cubed = np.array([cubic.polynomial[CUBED] for cubic in cubics])
     jumps = np.abs(np.diff(cubed, prepend=np.inf)) > SAME_JERK_TOL * np.abs(cubed).max()
@@ -62,6 +64,7 @@ def _at(parts: Sequence[Piece], time: float) -> Any:
     if piece.sines:
         return piece.at(time)
     t, position, rate = time - (piece.begin + piece.lag), 0.0, 0.0
+    # Horner's scheme for the value and, alongside, its derivative.
     for c in reversed(piece.polynomial):  # with plain numbers a tenth of the time of arrays
         position, rate = position * t + c, rate * t + position
     return position, rate

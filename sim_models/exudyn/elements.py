@@ -81,6 +81,7 @@ def _press(load: PressForce, place: str, to: Target) -> None:
     cycle, repeats = scene.cycle, scene.periodic
 
     def acts(_mbs: Any, clock: float) -> float:
+        # The number of switches that are past: odd while the force acts.
         time = drive.zero + clock + SAME_INSTANT * cycle
         return float(bisect_right(instants, time % cycle if repeats else time) % 2)
 
@@ -100,6 +101,9 @@ def _moment(load: Moment, _: str, to: Target) -> None:
 def _guide_force(load: GuideForce, _: str, to: Target) -> None:
     """Along a guide that turns it is fixed to the body; on the carrier the line on which both act stays where it is."""
     system, value, turns = to.system, _value(to.system, load), to.turns(load.body)
+    # A force along a guide acts in line on the slider's point and on the carrier. Exudyn's loads are at fixed places of
+    # a body: the carrier's is where the slider's point would be with the displacement zero. A shift along the line of
+    # action changes no moment.
     slide, size = system.scene.slides[load.body], 1.0 if load.force is None else load.force
     x, y = (size * part for part in slide.along)
     to.push(load, (x, y), value, turns=turns)
@@ -118,6 +122,8 @@ def _torsion_spring(spring: TorsionSpring, _: str, to: Target) -> None:
     system, bodies = to.system, (spring.first, spring.second)
     ends = {"markerNumbers": [system.angle_of(body) for body in bodies]}
     values = {"stiffness": spring.stiffness / system.force_unit, "damping": (spring.damping or 0.0) / system.force_unit}
+    # Exudyn's coordinates count whole turns from the start on, the scene's spring angle is within half a turn there:
+    # the difference, a whole number of turns, goes into the spring's offset.
     first, second = (system.pose_of(body, to.start.q)[1] for body in bodies)
     turns = 0 if spring.drives(system.scene) else ceil((second - first - HALF_TURN) / tau)  # else within half a turn
     offset = spring.angle + turns * tau

@@ -57,6 +57,9 @@ class JointFriction:
 
     def _at(self, q: Array, multipliers: Array, positions: Array, rates: Array) -> tuple[Array, Array, Array]:
         """The multipliers with friction, what it does, shape (n, joints), and the joints' rates."""
+        # K is (1)'s matrix of influence, shape (n, joint that resists, joint that carries, 2 parts): the change of
+        # multipliers by a unit of friction, C_q^-T B, read as what the joints carry. Viscous friction depends on the
+        # motion alone and is added before the iteration.
         state, system = self._poses.closed(q, positions), self._poses.system  # what was recorded may move at rest
         v, directions = state.velocities(rates), _directions(system, state.q)
         slip = np.einsum("nkj,nk->nj", directions, v)
@@ -78,6 +81,10 @@ class JointFriction:
 
     def _followed(self, r0: Array, K: Array, sense: Array, positions: Array) -> Array:
         """Follow the solution y of (1) from a factor of 0 to 1, at each instant in steps of its own."""
+        # Continuation in a common factor on all coefficients, from the frictionless solution y = 0. Where the map y ->
+        # -c s |r| is a contraction there is one solution and the first step may go as far as the bound, up to 1 at
+        # once. Beyond it a step counts only if Newton's method converges with a positive determinant (no other solution
+        # was met) and the forces change little; else it is halved. Below MIN_STEP no solution follows: the joints jam.
         y, factor = np.zeros(sense.shape), np.zeros(len(sense))
         contraction = np.abs(np.linalg.eigvals(self._norm(K) * np.abs(self._slope * sense)[:, np.newaxis])).max(axis=1)
         step = MAX_CONTRACTION / np.maximum(contraction, MAX_CONTRACTION)
@@ -101,6 +108,9 @@ class JointFriction:
         c = sense * self._slope * factors / np.sqrt(1 + (self._bend * factors) ** 2)
         closes, unit = np.zeros(len(y), dtype=bool), np.eye(y.shape[1])
         for _ in range(MAX_ITERATIONS):
+            # Newton's method on y + c |r0 + K y| = 0, whose derivative is 1 + c grad|r| K. |r| of a guide is the larger
+            # part and has a kink: the method is semismooth there, and iterates more than quadratic convergence would
+            # need.
             r = r0 + np.einsum("njir,nj->nir", K, y)
             J = unit + c[..., np.newaxis] * np.einsum("nir,njir->nij", self._gradient(r), K)
             sign: Array = np.asarray(np.linalg.slogdet(J)[0])

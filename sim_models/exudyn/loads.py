@@ -54,6 +54,9 @@ def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> Sequ
         near = round(time / scene.cycle * GRID)
         return slider(poses.follow(poses.state(states.q[near], states.position[near]), position), rate)
 
+    # The stroke's parts: a press force may come or go at dead points (v = 0), and where the slider comes within the
+    # last part of its stroke (x = meets). Between two of these instants it acts all along or not at all, so that the
+    # middle decides.
     x, v = slider(states, inputs_of(scene, times).driven().rate)
     dead = list(_zeros(lambda time: at(time)[1], times, v))
     x, times = np.append(x, [at(time)[0] for time in dead]), np.append(times, dead)

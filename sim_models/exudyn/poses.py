@@ -135,6 +135,10 @@ class PoseSolver:
         self.newton_iterations = self.curvatures = 0  # found so far
         self.budget = ProcessorBudget(SECONDS, "building the system")
 
+    # Two passes over many positions. Knots, some 18 a cycle, are followed one by one, each predicted from the one
+    # before. All others start from the quintic between their knots and are corrected at once, as rows of one array;
+    # those that do not converge are followed singly. A correction that is larger than MAX_CORRECTION of the step, or
+    # that ends on another branch, counts as no convergence.
     def through(self, state: Configuration, positions: Array, *, curved: bool = True) -> Configuration:
         """The states at many positions, passed one after the other from the state given; Failure as of `follow`.
 
@@ -164,6 +168,7 @@ class PoseSolver:
         """
         span = self.system.prescribed.span
         steps = np.diff(positions)
+        # A knot ends each block of the way, and there is one wherever the drive's steps change their sign or are zero.
         blocks = np.abs(steps).cumsum() // (span / KNOTS)
         ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
         return np.flatnonzero(ends)
@@ -176,6 +181,8 @@ class PoseSolver:
             return state
         self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")
         travel = position - state.position
+        # Predictor of second order, q + s q' + s^2/2 q''; corrector: Newton's method; bisection of the step where it
+        # fails.
         guess = state.q + travel * (state.tangent + travel / 2 * state.curvature)
         reached, closes = self._at(guess, np.asarray(position), state)
         if closes:
@@ -197,6 +204,9 @@ class PoseSolver:
         reason = f"the assembly branch past {past} cannot be decided: two branches meet there"
         return Failure(Status.not_converged, reason)
 
+    # Damped Gauss-Newton with a pseudoinverse step, so that it also works where constraints are redundant or the
+    # Jacobian is singular. A step is at most half a linkage's size: from a rough sketch full steps overshoot into other
+    # assemblies.
     def nearest(self, q: Array, position: float) -> Array | None:
         """A pose near q that meets the constraints, redundant ones too, by damped Gauss-Newton."""
         for _ in range(MAX_PATIENT_ITERATIONS):
@@ -238,6 +248,8 @@ class PoseSolver:
 
     def _curvature(self, q: Array, tangent: Array, inverse: Array) -> Array:
         """Return q'', with the change of C_q q' along q' by a symmetric difference."""
+        # C_q q' is a function of q that Exudyn evaluates exactly; its derivative along q' is the only difference
+        # quotient here. The step balances truncation, h^2, against round-off, eps/h.
         rates, h = self.equations.rates, (DIFFERENCE / self.length(tangent))[..., np.newaxis]
         change = (rates(q + h * tangent, tangent) - rates(q - h * tangent, tangent)) / (2 * h)
         self.curvatures += change.size // change.shape[-1]
@@ -256,6 +268,9 @@ class PoseSolver:
 
     def _corrected(self, guess: Array, position: Array, reach: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Find a pose by Newton's method with the Jacobian of the guess; and whether it is within reach of that."""
+        # Simplified Newton: one inverse a pose, as the guess is near and a Jacobian by Exudyn costs more than some
+        # iterations. It ends where the error left, estimated from the linear rate as length^2 / before, is round-off,
+        # or where corrections no longer decrease.
         inverse: Array = np.asarray(np.linalg.inv(self.equations.jacobian(guess)), np.float64)
         q, closes, length = guess, np.zeros(position.shape, dtype=bool), reach
         for _ in range(MAX_ITERATIONS):

@@ -33,6 +33,9 @@ def start(poses: PoseSolver) -> Configuration:
     """Assemble the system where the sketch shows it, and move it to the drive's start."""
     system, drawn = poses.system, poses.system.prescribed.in_range(poses.system.scene.sketch.drive)
     where, rough = system.scene.where(drawn), _rough(system, drawn)
+    # The sketch decides between assemblies only if its own pose is on the side of the one found: a body that turned by
+    # more than a right angle, or a Jacobian whose determinant changed its sign on the way, may as well belong to the
+    # other.
     assembled = poses.nearest(rough, drawn)
     if assembled is None:
         reason = f"the bodies do not fit together where the sketch shows them, {where}"
@@ -66,6 +69,8 @@ def _angles(system: ExudynSystem, sketched: Sketched, position: float) -> dict[f
     """The angles of bodies that slides keep parallel: as drawn, but a crank is turned from what it is driven on."""
     scene = system.scene
     ground, base, crank = (scene.aligned[name] for name in (GROUND, system.prescribed.on, system.prescribed.body))
+    # A crank's angle is what the drive asks for, whatever the sketch shows of it. If its carrier's angle is not shown,
+    # it follows from the crank's.
     fits = {group: _fit(system, sketched, group, position) for group in {*scene.aligned.values()} - {ground}}
     angles = {group: phase(fit) for group, fit in fits.items()} | {ground: 0.0}
     if system.prescribed.slide is None:

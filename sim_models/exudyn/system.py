@@ -188,6 +188,8 @@ class ExudynSystem:
         first point P.
         """
         along = self.along(name)
+        # Roles of the markers decide where the reaction acts: the first marker's point is held on a line of the second
+        # marker's body, and the force is at that point.
         first = self.marker(name, self.lever(name), "Rigid")
         second = self.marker(slide.on, self.through(name), "Rigid")
         axes = {"axisMarker0": [along.real, along.imag, 0], "normalMarker1": [-along.imag, along.real, 0]}

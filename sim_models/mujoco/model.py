@@ -35,6 +35,8 @@ class MujocoUnits:
 def model(linkage: System, h: float, *, hard: bool = True) -> Any:
     """MuJoCo's model for steps of h cycles over 2 pi, which close the gaps, or with its defaults for constraints."""
     scene, units = linkage.scene, MujocoUnits(linkage)
+    # A negative solref is stiffness and damping themselves: k = 1/h^2 and b = 1/h close a gap within a step. The
+    # impedance is the same at both ends of its width, so that it does not depend on the gap.
     holds = f'solref="{-(h**-2)!r} {-1 / h!r}" solimp="{IMPEDANCE} {IMPEDANCE} 1"'
     holds = holds if hard else SOFT.format(time=SOFT_TIME / units.second)
     pins = "".join(f'<connect site1="{p.second}:{p.point}" site2="{p.first}:{p.point}" {holds}/>' for p in scene.pins)
@@ -46,6 +48,8 @@ def model(linkage: System, h: float, *, hard: bool = True) -> Any:
         f"<worldbody>{''.join(_content(linkage, units, GROUND))}</worldbody><equality>{pins}{drive}</equality></mujoco>"
     )
     if hard:
+        # MuJoCo derives a constraint's compliance from these weights and the impedance, whose limit is 0.9999. Scaled
+        # down, they make the compliance smaller than that limit allows.
         compiled.body_invweight0[:] *= HARDER
         compiled.dof_invweight0[:] *= HARDER
     return compiled

@@ -66,6 +66,9 @@ class MujocoSimulation(CoordinateSimulation[System]):
         targets = (inputs_of(self._scene, times).driven().position / system.drive_unit).tolist()
         previous = np.array(data.qvel)
         for step, target in enumerate(targets, start=-PRE_ROLL):
+            # One step by hand. The velocity that MuJoCo holds is half a step old: velocity-dependent terms (centrifugal
+            # forces, dampers, loads) are evaluated with the extrapolated velocity at the pose, and the step itself is
+            # made from the stored one. Without that the leapfrog falls to order 1.
             self._model.eq_data[-1, 0] = target  # the gap that this step closes is that at its end
             pose, rate = np.array(data.qpos), np.array(data.qvel)
             data.qvel[:] = 1.5 * rate - 0.5 * previous  # now; those of MuJoCo are half a step ago
@@ -139,6 +142,7 @@ def forces(
         channels |= zip(scene.channels.pins[pin.channel], (fx, fy), strict=True)
         for body, force in ((pin.first, -fx - 1j * fy), (pin.second, fx + 1j * fy)):
             exerted.append(Wrench(body, moving[body].place(system.arms[body, pin.point]), force))
+    # From the last slider in a chain to the first: what a guide exerts on its slider loads the carrier in return.
     for name in (name for name in reversed(system.carriers_first()) if name in system.guides):
         carrier, _, along, first = system.guides[name]
         moving_body, rigid = moving[name], system.bodies[name]

@@ -137,6 +137,8 @@ class LinkageEquations:
         carrier = self.index[slide.on]
         rows.k[row, 0] += dot(direction, arm) - dot(direction, self.origins[slide.on])
         rows.add_guide(row, direction, carrier, slider)
+        # The slider's point in the carrier's frame, s + i s (theta_b - theta): its constant part is in k, the part with
+        # the angle's difference here.
         lever = dot(direction, AXES[1] * arm)
         rows.add_angle(row, slider, lever)
         rows.add_angle(row, carrier, -lever)

@@ -68,6 +68,8 @@ class Continuation:
             self.budget.check(f"it is at {self._place(q)}")
             left = goal - self.rows.value(q)
             motion = self._motion(q, left, goal)
+            # Step control by turns: the share of the way for which the fastest body turns by `longest`. A rejected step
+            # shortens the share; an accepted one sets the next length by how much the Jacobian changed relative to AIM.
             share = longest / max(longest, motion.turn)
             while True:
                 reached, factor = self._step(motion, goal - left * arb(1 - share), share)
@@ -133,6 +135,9 @@ class Continuation:
         """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
         for _ in range(MAX_ITERATIONS):
             self.counters["newton_iterations"] += 1
+            # Residuals with all digits, corrections by a Jacobian in doubles: each iteration gains the digits of a
+            # double, at a fraction of the cost of a 50-digit factorisation. The correction's own error has to be below
+            # what is asked for too, for coordinates that move without any turn.
             left = _floats(goal - self.rows.value(q))  # by all digits, all that follows by those of doubles
             try:
                 correction = np.linalg.solve(self._C + self._varying(q) @ self._S, left)

@@ -97,6 +97,8 @@ def _spline(written: MotionLaw) -> Law:
         periods, share = divmod(cycles, 1) if written.periodic else (0, cycles)
         time = share * times[-1]
         i = min(bisect_right(times, time), len(steps)) - 1
+        # Exact rational times pick the piece, balls evaluate it: on a knot no rounding decides which of two pieces
+        # holds.
         h, (y, z), (M, N) = steps[i], positions[i : i + 2], bends[i : i + 2]
         b = ball(time - times[i]) / h
         a = 1 - b
@@ -166,6 +168,9 @@ def ball(exact: Fraction) -> arb:
     return arb(fmpq(exact.numerator, exact.denominator))
 
 
+# The tridiagonal equations (1) are solved three times: with the given chords and zero ends, and with each end value
+# one. Both conditions at the ends are then two linear equations for M_0 and M_n, whatever kind they are. Elimination
+# needs no pivoting, as (1) is diagonally dominant.
 def second_derivatives(h: Sequence[arb], chords: Sequence[arb], *, periodic: bool) -> list[arb]:
     """Return the second derivatives M_0 ... M_n of a cubic spline at its knots.
 

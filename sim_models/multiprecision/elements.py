@@ -235,6 +235,8 @@ def straight_lines(arguments: Sequence[float], values: Sequence[float], *, perio
     first, period = x[0], x[-1] - x[0]
     if periodic:  # a line more to either side, since a ball may reach over the seam
         x, f = [x[-2] - period, *x, x[1] + period], [f[-2], *f, f[1]]
+    # A piecewise linear function as a sum of kinks instead of a search for the piece: a ball that holds a knot is in
+    # two pieces at once, and the sum encloses the values of both.
     slopes = [arb(0), *((g - e) / (v - u) for (u, v), (e, g) in zip(pairwise(x), pairwise(f), strict=True)), arb(0)]
     kinks = [(at, after - before) for at, (before, after) in zip(x, pairwise(slopes), strict=True)]
 

@@ -55,6 +55,8 @@ def resisted(
     frictionless: arb_mat,
 ) -> arb_mat:
     """Return the multipliers, from those without friction, then all t and their power; Failure as of `Pressed`."""
+    # Virtual work: the Jacobian of a friction's work is both its generalised force per unit and, times the velocity,
+    # its slip.
     works = [friction.work.jacobian(q) for friction in frictions]
     rates = [(work * velocity)[0, 0] for work in works]
     speeds = (linkage.points.jacobian(q) * velocity).entries()
@@ -111,6 +113,8 @@ class Pressed(NamedTuple):
         """Return balls that hold one solution: Newton's method for intervals takes their neighbourhood into itself."""
         try:
             open_by, slopes = self._equations(1.0, g)
+            # Interval Newton: a box twice the size of a Newton correction about g. If the image of the box lies in it,
+            # exactly one solution is there.
             radius = 2 * max(x.abs_upper() for x in slopes.solve(open_by).entries()) + CORRECTION_TOL * max(g)
             domain = [x + radius * arb(0, 1) for x in g]
             change = self._equations(1.0, domain)[1].solve(open_by).entries()
@@ -140,6 +144,8 @@ class Pressed(NamedTuple):
         open_by, slopes = column(g), arb_mat([[int(i == j) for j in every] for i in every])
         acting = column([c * x for c, x in zip(cs, g, strict=True)])
         for i, a, B in self.terms:
+            # |force| has no derivative at zero. A ball that holds zero gets the slopes of all directions, which the
+            # proof then covers.
             force = a + B * acting
             size = (force.transpose() * force)[0, 0].nonnegative_part().sqrt()
             normal = [x / size if size > 0 else ANY_DIRECTION for x in force.entries()]

@@ -77,6 +77,7 @@ def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> d
 def _values(linkage: LinkageEquations, solution: Solution) -> list[arb]:
     """All channels of one sample but the time, in the order of the files."""
     scene, points, (q, velocity, acceleration, multipliers) = linkage.scene, linkage.points, solution
+    # p'' = J q'' + (f'' - J q''); `centripetal` is the negative of the second term, by its use in the constraints.
     J = points.jacobian(q)
     levels = points.value(q), J * velocity, J * acceleration - points.centripetal(q, velocity)
     values = linkage.position.value(q).entries()

@@ -83,6 +83,8 @@ class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
             follower.budget.check(f"{step} of {count} steps are done")
             follower.counters["steps"] += 1
             try:
+                # Heun's method for the rates, a Taylor step for the coordinates: order 2 in both. Baumgarte's terms
+                # pull gaps and their rates to zero like a critically damped oscillator of frequency k (Baumgarte 1972).
                 a = acceleration(pose, v, driven[step], k)
                 ahead = acceleration(follower.pose(pose.x + h * v), v + h * a, driven[step + 1], k)
             except np.linalg.LinAlgError:

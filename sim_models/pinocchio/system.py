@@ -107,6 +107,9 @@ class PinocchioSystem(System):
         """
         motion = [self.units * level for level in motion]
         loads = [*self.applied(bodies, ends)]
+        # Twice through the recursion: first without loops, which gives the generalised forces that multipliers must
+        # supply, J^T lambda = tau; then with the loops' forces acting, so that each joint of the tree shows what it
+        # carries.
         needed = self.units * self._inverse_dynamics(bodies, motion, loads)
         multipliers = np.linalg.solve(J.T, needed) / self.row_units
         self._inverse_dynamics(bodies, motion, [*loads, *self._held(bodies, multipliers)])
@@ -187,6 +190,8 @@ def _spanned(linkage: System) -> Iterator[TreeJoint]:
     joints += (
         TreeJoint(name, guide.carrier, name, guide.through, guide.first, guide.along, 1) for name, guide in guides
     )
+    # Breadth-first search from the ground: the tree's branches are short, and so is the error that accumulates along
+    # them.
     reached = [GROUND]
     for body in reached:
         for candidate in joints:

@@ -45,6 +45,8 @@ def with_rates_of_law(linkage: LinkageConstraints, time: Samples, motion: Motion
     the solution of J dq/dp = (0, ..., 0, 1). Errors in dt^2 are left, from the rates in the steps around the knot.
     """
     q, law = motion.q, inputs_of(linkage.scene, time).driven()
+    # All constraints but the drive's keep their rates; a unit of the drive's rate moves the bodies by `ratio`, and the
+    # drive's lack is spread by it.
     J = linkage.jacobian(q)
     of_drive = J[:, -1].reshape(q.shape)
     ratio = solved(J, np.broadcast_to(np.eye(J.shape[-1])[-1], J.shape[:2]))
@@ -65,6 +67,7 @@ def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
     ends = (drive.body, linkage.first_arm(drive.body)), (drive.on, linkage.back_end)
     first, end = (np.array(motion.of_point(linkage.index[name], arm)) for name, arm in ends)
     _, bar, rate, acceleration = first - end
+    # Second derivative of a length |b|: (b . b'' + (b x b')^2 / |b|^2) / |b|.
     squared = (np.conj(bar) * acceleration + (np.conj(bar) * rate).imag ** 2 / np.abs(bar) ** 2).real
     return np.asarray(squared / np.abs(bar))
 
@@ -92,6 +95,8 @@ def wanted_channels(
 def reaction_channels(linkage: LinkageConstraints, motion: Motions, forces: PoseArray) -> dict[str, Samples]:
     """The force channels without friction, (n,): J^T lambda = M q'' - F, of true masses; `forces`, (n, bodies, 3)."""
     q, _, a = motion
+    # Newton-Euler in coordinates of each body's origin: the inertia force acts at the centre of mass, with the lever r,
+    # and adds its moment about the origin.
     lacking = 0.0 - forces
     for name, member in linkage.members.items():
         i = linkage.index[name]
@@ -116,6 +121,7 @@ def joint_forces(
         if pin.channel in force:
             member, sign = linkage.members[name], -1 if name == pin.first else 1
             _, _, _, acceleration = motion.of_point(linkage.index[name], member.points[pin.point])
+            # The engine's joint also carries its ballast, a point mass at the pin: d'Alembert's force of that mass.
             ballast = linkage.moved[name].mass - member.mass
             force[pin.channel] = force[pin.channel] + sign * ballast * (acceleration - linkage.gravity)
     return np.stack([np.abs(force[joint]) for joint in joints], axis=1)

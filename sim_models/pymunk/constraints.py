@@ -123,6 +123,9 @@ class LinkageConstraints:
         n, bodies, _ = q.shape
         turn = planes(q)[1]
 
+        # Rows in the order of `gaps`: a complex gradient of each pin, whose real and imaginary parts are the rows of x
+        # and y; offset and angle of each guide; the drive. Columns are (x, y, theta) of every body and at last the
+        # ground, whose columns are cut off.
         number = np.arange(len(self._pinned))
         gradients = _point_gradients(self._pin_arms * turn[:, self._pinned])
         pins = np.zeros((n, len(number), bodies, 3), dtype=np.complex128)
@@ -140,6 +143,7 @@ class LinkageConstraints:
             drive[:, 0, self._base, 2] = -1
             drive[:, 0, self.driven, 2] = 1
         elif self.drive.on != GROUND:
+            # The gradient of a length is the unit vector along it, dotted with the gradients of both ends.
             bar = self._bar(q)
             back = np.conj(bar / np.abs(bar))[:, None]
             first, end = self.first_arm(self.drive.body), self.back_end

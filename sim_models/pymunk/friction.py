@@ -45,6 +45,8 @@ class RubbingJoints:
 
     def pressed(self, forces: Samples, per_force: Samples) -> tuple[Samples, Samples]:
         """The joints' own forces, shape (n, k), N, and how they change with k others by which `forces` change."""
+        # |.| and its gradient by type: a pin's resultant is smooth but at zero, where it gets no slope; a guide's is
+        # the larger of two parts, with the sign of that one.
         parts = forces[:, self._forces] * self._levers
         sizes, resultant = np.abs(parts), np.hypot(*np.moveaxis(parts, -1, 0))[..., None]
         along = np.divide(parts, resultant, out=np.zeros(parts.shape), where=resultant > 0)
@@ -75,6 +77,8 @@ def _solved(
     linkage: LinkageConstraints, joints: RubbingJoints, q: PoseArray, of_drive: Samples, free: Samples
 ) -> Samples:
     """All forces, frictions and their power, shape (n, m + k + 1), by the m forces without the k frictions."""
+    # J^-T d, one column a friction. By virtual work its last row, the effort of the drive per unit of friction, is also
+    # the joint's rate per unit of the drive's rate, so that rates need no further solution.
     J, d = linkage.jacobian(q), np.moveaxis(directions(linkage, q), 1, 0)
     unit = np.stack(
         [solved(J.swapaxes(1, 2), direction.reshape(len(q), -1)).reshape(len(q), -1) for direction in d], axis=2
@@ -117,6 +121,9 @@ def _continued(
     joints: RubbingJoints, senses: Samples, unit: Samples, free: Samples
 ) -> tuple[Samples, NDArray[np.bool_]]:
     """The joints' own forces, shape (n, k), from those without friction on, and where that ends before the factor 1."""
+    # Continuation from the frictionless forces in one factor on all coefficients; steps double after success and are
+    # halved on failure. A force that grows by more than MAX_GROWTH in a step may have jumped to another solution. A
+    # linkage that needs steps below MIN_STEP jams before the factor is 1.
     g, _ = joints.pressed(free, unit)
     factor, step = np.zeros(len(g)), np.ones(len(g))
     while (rows := np.flatnonzero((factor < 1) & (step > MIN_STEP))).size:
@@ -133,6 +140,8 @@ def _newton(joints: RubbingJoints, free: Samples, per_force: Samples, g: Samples
     """Solve for the joints' own forces from g on, shape (n, k), and tell where that converged on the branch."""
     for _ in range(MAX_NEWTON_STEPS):
         pressed, slopes = joints.pressed(free + np.einsum("nmk,nk->nm", per_force, g), per_force)
+        # The matrix is regular with a positive determinant on the branch that starts without friction; a sign change
+        # means that another solution has been passed.
         matrix = np.eye(g.shape[1]) - slopes
         signs = determinant_sign(matrix)
         matrix[signs == 0] = np.nan

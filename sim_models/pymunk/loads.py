@@ -101,6 +101,9 @@ class AppliedForces:
 
     def apply(self, time: float, position: float) -> None:
         """Set the forces of the next instant, s, where the drive is at that position, rad or m."""
+        # Chipmunk moves the bodies first and then updates their rates: forces set before a step act in the pose after
+        # the move, p + dt v, in which they are evaluated here. Rates known then are half a step old; those at the
+        # instant are extrapolated from the last two.
         dt, ground = self._dt, self._linkage.index[GROUND]
         for body, constant, moment in self._constant:
             body.force = constant
@@ -158,6 +161,7 @@ def _furthest(linkage: LinkageConstraints, body: str, closing: int, path: Sequen
     def opens(q: PoseArray, forward: float) -> bool:
         return closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
 
+    # Bisection on the sign of the closing rate, in the continuation step before or after the furthest place of the way.
     furthest = max(range(len(path)), key=lambda number: closed(path[number][1]))
     largest = closed(path[furthest][1])
     for (here, q), (there, after) in pairwise(path[max(furthest - 1, 0) : furthest + 2]):

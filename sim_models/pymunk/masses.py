@@ -81,6 +81,7 @@ def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias
     for name, pin in held(scene).items():
         body, point = rigids[name], pin.point
         mass = body.mass + extra
+        # Parallel axes: centre of mass and moment of body and ballast together, about their common centre.
         arm = body.com - body.points[point]
         moment = body.inertia + body.mass * extra / mass * abs(arm) ** 2 if mass else 0.0
         moved[name] = Inertia(body.points[point] + (body.mass / mass * arm if mass else 0), mass, moment)
@@ -113,10 +114,14 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
             for pin in scene.pins:
                 if name in (pin.first, pin.second) and {pin.first, pin.second} & earlier:
                     origin, mass, moment = body.points[pin.point], scale / RATIO, scale * light * size**2
+            # A gear keeps slider and carrier parallel and shares their moments: the carrier's has to be much the
+            # larger, so that the slider's joints do not turn it.
             carrier = name
             while carrier in scene.slides and scene.slides[carrier].on != GROUND:
                 carrier, moment = scene.slides[carrier].on, light * moment  # so that the gear hardly turns the carrier
             chosen[name] = Inertia(origin, mass, inf if GROUND in scene.aligned[name] else moment)
+        # The next group is lighter by three ratios: its heaviest bodies, 1/RATIO of its scale, are still two ratios
+        # lighter than the bodies that carry them.
         scale *= RATIO**3
     return chosen
 

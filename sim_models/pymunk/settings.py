@@ -39,6 +39,7 @@ class PymunkSettings(Settings):
         """The part of a joint's error left after a second, pymunk's parameter, for steps of dt, s."""
         if self.correction is None:
             return ERROR_BIAS
+        # Chipmunk defines the bias per second: a step of dt leaves bias^dt of an error.
         left = 1 - self.correction
         bias = float(left ** (1 / dt))
         if left and not bias:  # so small a number that pymunk would correct the whole error

@@ -75,6 +75,9 @@ class Model:
         if isinstance(self.drive, pymunk.GearJoint):
             self.drive.phase = position
             return
+        # The length that a linear step should be told: the engine solves J dq = -C with the length's own linear row.
+        # The step's end is predicted by the same equations, the length there is evaluated exactly, and the aim is
+        # corrected by what it misses.
         linkage, record = self._linkage, np.array(_present(self.bodies.values()))
         q = (record[:, :3] + dt * record[:, 3:])[None]  # where the step begins
         J, gaps = linkage.jacobian(q), linkage.gaps(q, np.array([position]))

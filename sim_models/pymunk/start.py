@@ -48,6 +48,8 @@ def start(linkage: LinkageConstraints) -> PoseArray:
     """The pose at the drive's start, on the sketch's branch, shape (1, bodies, 3)."""
     position = linkage.drive.in_range(linkage.scene.sketch.drive)
     q = _sketch(linkage, position)
+    # Homotopy: the sketch satisfies C(q) = gaps exactly; the right-hand side is brought to zero in steps, so that the
+    # pose moves continuously from the sketch and no step may jump to another assembly.
     gaps = linkage.gaps(q, np.array([position]))
     *_, (_, q) = _follow(linkage, q, lambda s: (position, (1 - s) * gaps), MAX_CLOSING)
     return move(linkage, q, position, linkage.drive.law.start)
@@ -109,6 +111,8 @@ def _fit_of_pairs(linkage: LinkageConstraints, group: frozenset[str], shown: Sho
         along, carrier = complex(*linkage.slides[name].along), linkage.slides[name].on
         for (a, A), (b, B) in product(shown[carrier].T, shown[name].T):
             apart = linkage.through(name) + b - linkage.first_arm(name) - a  # in the carrier's frame, at zero
+            # In the carrier's frame the vector between two points is `before` + s along the guide and `across` beside
+            # it: by their distance in the sketch s follows up to a sign, and the positive one is taken.
             across, before = (along.conjugate() * apart).imag, (along.conjugate() * apart).real
             further = max(sqrt(max(abs(B - A) ** 2 - across**2, 0.0)) - before, MIN_PUSH * linkage.size)
             if B != A:

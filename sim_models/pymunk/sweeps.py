@@ -67,6 +67,7 @@ def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float
 def contraction(linkage: LinkageConstraints, q: PoseArray) -> float:
     """Return rho, the part of an error that a sweep leaves in the long run, in a pose, shape (1, bodies, 3)."""
     inertias = [linkage.moved[name] for name in linkage.members]
+    # M^-1 by coordinate: zero for a prescribed body, and for the turn of one that cannot turn.
     ease = np.array([(1 / inertia.mass, 1 / inertia.mass, 1 / inertia.moment) for inertia in inertias]).ravel()
     # The space has no joints between bodies that are prescribed.
     joints = [rows for rows in _joints(linkage, linkage.jacobian(q)[0]) if (rows * ease).any()]
@@ -75,6 +76,7 @@ def contraction(linkage: LinkageConstraints, q: PoseArray) -> float:
     J = np.concatenate(joints)
     owner = np.repeat(np.arange(len(joints)), [len(rows) for rows in joints])
     A = J * ease @ J.T
+    # Block Gauss-Seidel: D + L is the part of A whose row belongs to the same or a later joint, U the rest.
     done = owner[:, None] >= owner
     return float(np.abs(np.linalg.eigvals(np.linalg.solve(A * done, A * ~done))).max())
 

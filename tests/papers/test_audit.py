@@ -13,7 +13,7 @@ import pytest
 from papers import audit as audit_command
 from papers import optimise
 from papers.audit import audit, overview, write
-from papers.claims import OPEN, Claim, Verdict, comparison, judge, limit, number
+from papers.claims import UNDECIDED, Claim, Verdict, comparison, judge, limit, number
 from papers.written import Equation
 from tests.pages import check_figures
 
@@ -117,5 +117,5 @@ def test_the_rules_of_limits_and_words() -> None:
     assert verdict(1.0, 1.0, 1.0, corrected=("another unit", -0.5)) is Verdict.MISPRINT
     assert verdict(1.0, 1.0, 1.0, corrected=("another unit", 0.5)) is Verdict.INCONSISTENT
     assert comparison("", "", [True, True], "").verdict is Verdict.HOLDS
-    assert comparison("", "", OPEN, "").verdict is Verdict.UNDERDETERMINED
+    assert comparison("", "", UNDECIDED, "").verdict is Verdict.UNDERDETERMINED
     assert comparison("", "", [False], "").verdict is Verdict.NOT_REPRODUCIBLE

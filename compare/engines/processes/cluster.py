@@ -33,6 +33,7 @@ def cluster(scheduler: str) -> Iterator[Callable[..., Iterator[Any]]]:
         raise InputError("--scheduler: dask is not installed: pip install 'linkage-crosscheck[dask]'")
     logging.disable()  # what Dask reports of workers that come and go is no matter of the user's
     try:
+        # Whatever listens there may accept and stay silent: the first contact is made in a process that can be ended.
         ((_, greeted),) = isolated(_greet, [scheduler], Limits(PATIENCE / WAIT), lambda: None)
         if isinstance(greeted, Ended):  # whatever is there, if it sends something at all
             raise InputError(f"--scheduler {scheduler}: expected a Dask scheduler there, and none answers")
@@ -75,6 +76,8 @@ def spread(
 
     executor = client.get_executor(pure=False)
     try:
+        # Function and item travel as one pickle beside a version: the worker compares versions before it opens the
+        # pickle, whose classes may be others there.
         running = {executor.submit(_done, version(), packed((function, item))): item for item in items}
         while running:
             poll()

@@ -1,9 +1,8 @@
 """The worker process: its limits, its request loop, and the guard that ends all that it began.
 
-It ends with all that it began, whatever became of that: its parent is its guard, which runs nothing but what is here.
-What the guarded process began, and they in turn, are children of the guard once their own parents have gone (it is a
-subreaper, of Linux), in whatever group or session they are. The guarded process leads a group of its own, so that a
-signal to its group reaches no other.
+Its parent is the guard, which runs only the code below and ends every process that the worker began. The guard is a
+subreaper (Linux): a process below it whose parent has gone becomes its child, in whatever group or session it is. The
+guarded process leads a group of its own, so that a signal to its group reaches no other.
 """
 
 import faulthandler
@@ -142,8 +141,10 @@ def _prepare(parent: int, connection: int) -> None:
         Thread(target=_end_with_parent, daemon=True).start()
 
 
+# A fork inherits all open sockets. An engine's code could write into another engine's pipe, and the parent would take
+# that for an answer.
 def _leave_sockets(nowhere: int, connection: int) -> None:
-    """Have only its own of all connections: others lead to other engines, and to whoever believes its parent.
+    """Close all connections but its own: the others lead to other engines, or to a reader that trusts the parent.
 
     Their numbers stay taken, as somebody may close them yet.
     """
@@ -171,6 +172,11 @@ def _end_with_parent() -> None:
 # --- the guard --------------------------------------------------------------------------------------------------------
 
 
+# Two processes for each worker. The first stays behind as the guard: it is a subreaper, so that every orphan below it
+# becomes its child, and it ends them all when the worker ends, when its own parent dies (parent death signal) or by
+# SIGTERM. Killing by process group alone would miss children that made a session of their own. The guard ends by the
+# same signal or status as the worker, which the parent then reads as the worker's. SIGKILL of the guard itself ends the
+# worker by its parent death signal, but not what the worker began.
 def _begin_guarded(parent: int, connection: int) -> None:
     """Return in a new process. Its guard, this one, ends when and as that ends, or by SIGTERM, or with its parent."""
     system, awaited = CDLL(None), {signal.SIGTERM, signal.SIGCHLD}
@@ -192,6 +198,7 @@ def _begin_guarded(parent: int, connection: int) -> None:
         _, status = os.waitpid(guarded, 0)
     with suppress(ChildProcessError):  # none is left
         while True:
+            # Children may fork while the list is read: kill, reap one, list again, until there is no child left.
             os.waitpid(-1, os.WNOHANG)
             for each in descendants(guard):
                 with suppress(ProcessLookupError):
@@ -215,6 +222,7 @@ def _end_with(system: CDLL, parent: int, sent: signal.Signals) -> None:
 
 def descendants(process: int) -> list[int]:
     """Return the processes below one, those of whom others are below first."""
+    # Breadth first: the list grows while it is walked, parents before their children.
     children = Path("/proc/self/task", str(os.getpid()), "children").exists()  # kernels may be built without
     below, known = _children if children else _by_parent().get, [process]
     for each in known:

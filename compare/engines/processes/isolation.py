@@ -125,6 +125,8 @@ class Worker(Generic[Item, Result]):
             if not (more := os.read(self.connection.fileno(), CHUNK)):
                 raise EOFError
             self._come += more
+        # Messages are reassembled from chunks: a blocking read of a whole message would hang on a process that stops in
+        # the middle of it. The size is checked before anything of that size is allocated.
         end = HEAD + int.from_bytes(self._come[:HEAD], "big", signed=True)  # as `multiprocessing` sends it
         if not HEAD <= end <= HEAD + self._limits.memory:
             raise ValueError("it is too large")
@@ -141,6 +143,8 @@ class Worker(Generic[Item, Result]):
                 reason = f"it and what it began needed more memory than {self._limits.gibibytes}"
                 return Ended(Status.crashed, reason, at_limit=True)
         seconds = self._limits.seconds
+        # Two limits: processor time for an engine that computes, WAIT times as much on the wall for one that sleeps or
+        # whose processor is taken by others. A limit on the wall alone would fail runs on a busy machine.
         if monotonic() >= self._due:
             return Ended(Status.timed_out, f"no answer within {WAIT * seconds:.3g} s", at_limit=True)
         if self._processor_time() - self._used >= seconds:
@@ -150,6 +154,7 @@ class Worker(Generic[Item, Result]):
     def _processor_time(self) -> float:
         """Seconds that the process has used. A limit by `setrlimit` would make its own clock go by ticks of 4 ms."""
         with suppress(OSError):  # it has just ended
+            # The POSIX clock of another process, to the nanosecond; /proc/PID/stat counts ticks of 10 ms.
             clock = ~self._engine << 3 | 2  # of clock_getcpuclockid(3)
             return time.clock_gettime(clock) if LINUX and self._engine else 0.0
         return 0.0
@@ -171,6 +176,7 @@ def isolated(
 
     The language is as for `Worker`.
     """
+    # Workers are reused after a result and replaced after a failure, whose process may be in any state.
     left, idle, busy = list(reversed(items)), list[Worker[Item, Result]](), dict[Worker[Item, Result], Item]()
     try:
         while left or busy:

@@ -33,6 +33,8 @@ def written(value: Any) -> bytes:
         start, place = place, place + len(arrays[-1])
         return {ARRAY: [array.dtype.str, array.shape, start]}
 
+    # Arrays are met by `default` in the order in which they are written; only their type, shape and place stand in the
+    # JSON.
     text = json.dumps(value, default=put, separators=(",", ":")).encode("ascii")
     return b"".join([len(text).to_bytes(HEAD, "big"), text, *arrays])
 
@@ -49,6 +51,8 @@ def read(message: bytes) -> Any:
         kind, shape, place = found[ARRAY]
         if not re.fullmatch(rf"[<>|][{NUMBERS}]\d{{1,2}}", kind) or not place >= 0:
             raise ValueError("an array in it is not one of numbers")
+        # NumPy itself refuses a shape or place beyond the buffer. The copy is aligned and writable, and lets the
+        # message go.
         return np.ndarray(tuple(shape), kind, message, start + place).copy()
 
     return json.loads(message[HEAD:start], object_hook=filled)

@@ -59,6 +59,7 @@ class Workers(Runs):
         deaths = self._deaths.setdefault(name, [])
         if refused := registry.refused(name):
             return refused
+        # A crash may be chance and is tried again; a limit of time or memory that was reached would be reached again.
         if len(deaths) >= MAX_TRIES or any(death.at_limit for death in deaths):
             return replace(deaths[-1], reason=f"not run again, since {deaths[-1].reason}")
         outcome = self._outcome(name, function, limits)

@@ -134,6 +134,8 @@ def _examined(ladder: Ladder, case: Case, runs: Runs) -> list[Row]:
 def _attempted(case: Case, reference: Reference, measured: Measurement, explained: Explained) -> Row:
     run = measured.run
     promise, setting = (run.settings.promise, run.settings.label) if run.settings else (0.0, "")
+    # An attempt is judged by what it computed, whatever status it ended with: within the promise, after round-off is
+    # explained, its failure was a false alarm.
     kept = bool(measured.errors) and worst_of(measured.errors, "unexplained").unexplained <= promise
     denied = run.status is Status.cannot_assemble and explained.decidable
     outcome = Outcome.false_alarm if kept or denied else Outcome.refused

@@ -51,8 +51,12 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
     scene, mechanics = reference.scene, reference.mechanics
     request: Request = Sampling(EQUALLY)
     if isinstance(scene.drive.law, ConstantSpeed):
+        # Positions rather than instants: the drive stands exactly where it is asked to, so that no round-off of a law's
+        # evaluation is counted with that of the linkage.
         request = Positions(tuple(positions(scene, nearest_lock(reference)).tolist()))
     true = _certified(scene, request)
+    # Errors are relative to the channel's own peak; a channel that is zero by symmetry has only the noise of 50 digits
+    # for a peak and is measured by its scale.
     peak = {c: float(magnitude(true, scene.channels[c]).max()) for c in mechanics.units}
     size = {c: value if value > ZERO_TOL * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
     decided = np.setdiff1d(np.arange(len(true["time"])), on_switch(reference.acts(true)))
@@ -123,4 +127,5 @@ def inputs_off(scene: Scene) -> Iterator[Scene]:
                 yield put(scene, {number.at: number.value * (1 + STEP) for number in numbers})
             if others and (path[0], path[-1]) != ("loads", "forces"):  # of a table
                 x, y = numbers
+                # Across the vector: turned by STEP rad, at the same length to the first order.
                 yield put(scene, {x.at: x.value - STEP * y.value, y.at: y.value + STEP * x.value})

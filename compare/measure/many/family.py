@@ -145,6 +145,8 @@ def _cycle(judged: Judgement) -> Cycle:
 
 def _kept(judged: Judgement) -> Judgement:
     """A judgement without samples, of which two hundred members would take half a gigabyte, and what they show."""
+    # The motions go, while the names of their channels stay, since pages list what each engine gave. Causes and peaks
+    # are found from samples: they are evaluated before and put into the new judgement's cache.
     nothing, measurements = np.empty(0), []
     for m in judged.measurements:  # whose motions keep the names of their channels
         names = m.run.motion and replace(m.run.motion, samples=dict.fromkeys(m.run.motion.samples, nothing))

@@ -93,6 +93,7 @@ def _by_workers(spread: Spread, asked: Asked, changes: Sequence[MemberChanges], 
             lost.append(task)
         else:
             yield member
+    # Tried alone, a task that kills its worker again is to blame itself, and no other task is lost with it.
     for task in lost:  # once more, by itself: whatever ended its worker may have come from outside
         ((_, member),) = at_work([task])
         yield Member(task[0], member.status.name, member.reason) if isinstance(member, Ended) else member

@@ -57,6 +57,8 @@ def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Sampl
     nominal = numbers_in(scene, [variation.path for variation in scene.variations])
     for variation, number, share in zip(scene.variations, nominal, shares.T, strict=True):
         normal = variation.distribution == "normal"
+        # Inverse transform sampling of quasi-random shares. The uniform distribution of the same standard deviation d
+        # spans +-d sqrt(3).
         of_deviations = np.array([*map(QUANTILE, share)]) if normal else (2 * share - 1) * 3**0.5
         drawn[variation.path] = number + variation.deviation * of_deviations
     return drawn
@@ -83,6 +85,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
                 status[machine], reason[machine] = ended, why
         return Motion(answer.samples)
 
+    # Shape (machines, samples): each machine has its own cycle where the drive's speed varies.
     time = np.arange(samples + 1) / samples * np.broadcast_to(many.cycle, (count, 1))
     with np.errstate(invalid="ignore"):  # of machines that do not run
         motion = refined(many, quantities, solved(time), solved, bare=True)
@@ -105,6 +108,10 @@ def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
     return machines(reference, dict(zip(paths, drawn, strict=True)), SCALE_SAMPLES)
 
 
+# First-order sensitivity of extremes (envelope theorem): d max f / dp is the partial derivative of f at the place of
+# the maximum. A number is a sum of terms, quantity at an instant times a weight; the exact derivatives of channels by p
+# numbers at all these instants are found in one call. It fails, as a linear model does, where a peak jumps to another
+# place or a press force switches just there; `Spread.unexplained` shows that.
 def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str]) -> Samples:
     """The derivatives of the k numbers by p numbers of the scene file, shape (p, k), SI per unit of the file."""
     scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
@@ -137,6 +144,8 @@ def _by_differences(
 ) -> Mapping[str, Samples]:
     """The derivatives of channels that have no exact ones, shape (p, n): differences over twice a deviation."""
     size = {variation.path: variation.deviation for variation in scene.variations}
+    # Central differences; the step is the standard deviation rather than one of best accuracy, because the channel is
+    # itself found by iteration and has few digits, and the slope over that range is what the linear model needs.
     step = np.array([size[path] for path in paths])  # as large as what they are for: such channels have few digits
     apart = np.concatenate([np.diag(step), -np.diag(step)])
     changes = dict(zip(paths, np.transpose(numbers_in(scene, paths) + apart), strict=True))
@@ -157,6 +166,7 @@ def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequen
     (curve,) = (curve for curve in quantities if (curve.kind, curve.of) == (number.curve.kind, number.curve.of))
     if curve.kind == "path":  # the largest distance between two places
         place = curve.values(motion)
+        # The distance of two places grows with the movement of either end along the line that joins them.
         longest = chords(place)
         along = (longest.conj() * place).real
         for end, sign in ((along.argmax(), 1), (along.argmin(), -1)):
@@ -176,6 +186,8 @@ def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
         yield curve, closed, closing
         yield curve, opened, -closing
     else:
+        # The dwell's ends solve s(t) = closed - DWELL_TOL stroke. Differentiated by a number p: dt/dp = -(ds/dp -
+        # d(limit)/dp) / s', with the limit moving as both dead points do.
         (step,), share, _, speeds = way.ends
         for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
             yield curve, float(instant), closing / speed
@@ -184,7 +196,7 @@ def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
 
 
 def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Samples:
-    """How a curve changes with a number of the output's guide, shape (n,), while the point moves as it does; else 0."""
+    """Change of a curve by a number of the output's guide, its point's motion unchanged, shape (n,); else 0."""
     nothing, guided = np.zeros(motion["time"].shape), scene.guided(scene.output)
     if guided is None or curve.kind not in QUANTITIES or not path.startswith(f"bodies.{guided[0]}.slides."):
         return nothing
@@ -195,5 +207,7 @@ def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Sam
     if key == "through":
         return nothing - place * float(along @ unit) * scene.units["length"][1]
     x, y = (motion[f"{curve.of}.{QUANTITIES[curve.kind]}{axis}"] for axis in "xy")
+    # d(along) for a unit change of one of its components before normalisation: the part across the direction, over the
+    # length as drawn.
     turn = (unit - along * (along @ unit)) / slide.drawn
     return np.asarray(turn[0] * (x - place * through[0]) + turn[1] * (y - place * through[1]))

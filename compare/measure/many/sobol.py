@@ -21,6 +21,10 @@ NUMBERS = """
 """
 
 
+# A point is the exclusive or of the direction numbers of the bits that are set in its number's Gray code (Antonov and
+# Saleev 1979), here for all points at once. The sequence is scrambled by a random lower triangular matrix on the digits
+# and a random shift (Matousek 1998), both from the seed, so that seeds give independent estimates. Evenness is best for
+# powers of two of points; more than 40 dimensions get independent points.
 def points(dimensions: int, seed: int, first: int, count: int) -> Samples:
     """The points `first` and so on of a sequence that its seed scrambles, shape (count, dimensions), between 0 and 1.
 
@@ -53,6 +57,7 @@ def _directions() -> NDArray[np.int64]:
     for polynomial, code in (part.split(":") for part in NUMBERS.split()):
         m, coefficients = [int(number) for number in code.split(",")], f"{int(polynomial):b}"[1:]
         degree = len(m)
+        # The recurrence of the primitive polynomial over GF(2): m_n = 2 a_1 m_(n-1) ^ ... ^ 2^d m_(n-d) ^ m_(n-d).
         for n in range(degree, BITS):
             m.append(m[n - degree] ^ m[n - degree] << degree)
             for k, coefficient in enumerate(coefficients[:-1], start=1):

@@ -129,6 +129,8 @@ class MonteCarlo:
     @cached_property
     def failures(self) -> list[Failed]:
         """Why machines do not run, the most frequent reason first; the places in them differ."""
+        # Reasons differ in their numbers alone, as in angles and lengths: failures are grouped by the text without its
+        # numbers.
         by_reason: dict[tuple[str, str], list[tuple[int, str]]] = {}
         for machine, status, reason in sorted(failed for block in self.blocks for failed in block.failed):
             by_reason.setdefault((status, NUMBER.sub("", reason)), []).append((machine, reason))
@@ -185,6 +187,8 @@ def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapp
     if deviation <= ROUND_OFF_TOL * max(abs(nominal), abs(size)):
         deviation = 0.0
     quantiles = {f"{q:.5g}": float(value) for q, value in zip(QUANTILES, np.quantile(run, QUANTILES), strict=True)}
+    # Mean square of what the linear model leaves, a shift of the mean included, over the sampled variance: 0 where the
+    # model is exact; one and more where it explains nothing.
     unexplained = float(np.mean(np.square((values - linear)[kept]))) / deviation**2 if deviation > 0 else nan
     parts = np.square([*gradient.values()])
     of_all = float(parts.sum())

@@ -103,6 +103,7 @@ class PointwiseSimulation(ExudynSimulation):
     def _solved(self) -> Array:
         """Follow the pose through the samples, cycle by cycle."""
         state, before, curved = self._at_start, self.poses.newton_iterations, self.poses.curvatures
+        # Cycle by cycle, from the last state of one to the next: arrays stay of one cycle's size, and angles count on.
         for turn in range(self.sampling.turns):
             rows = slice(turn * self.sampling.samples, (turn + 1) * self.sampling.samples + 1)
             position, rate, acceleration = (values[rows] for values in self._driven)

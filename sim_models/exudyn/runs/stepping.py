@@ -65,6 +65,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         """Choose what to integrate: each piece of the drive that has samples, or in a first script all in one."""
         times, stride = self.times, ceil(self.options.steps / self.sampling.samples)
         if self.options.solver == TRAPEZOIDAL and self.options.richardson:
+            # The trapezoidal rule has an undamped error that alternates from step to step.
             stride += stride % 2  # errors of a period of two steps cancel between two even numbers of steps
         parts = pieces(self.scene.drive.law, float(times[-1]))
         if isinstance(self.options, TextbookTimeStepping):
@@ -82,6 +83,8 @@ class TimeSteppedSimulation(ExudynSimulation):
         there, or nearly, smaller steps bring the beginning nearer to the start; and where a law takes few steps.
         """
         time = self.times[rows.start]
+        # A polynomial or sine piece of a law, continued before its begin, may leave the linkage's range within a few
+        # steps: steps are made shorter until the pre-roll is a small part of the span within which the piece is meant.
         while self.options.pre_roll * self._step(stride) > part.within / SLOWLY:
             stride *= 2
         for _ in range(MAX_PRE_ROLL_HALVINGS + 1):
@@ -98,6 +101,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         positions, poses = [float(part.at(time)[0]) for time in way.tolist()], self.poses
         farthest = max(positions, key=lambda position: abs(position - first.position))
         turned = poses.follow(first, farthest)
+        # Large q' = dq/ds is the sign of a nearby singular pose: it grows without bound towards one.
         there, here = poses.length(turned.tangent), poses.length(first.tangent)
         if not self.scene.periodic and not there <= MAX_SPEED_RATIO * here:
             raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {self.scene.where(farthest)}")
@@ -115,6 +119,7 @@ class TimeSteppedSimulation(ExudynSimulation):
                 self._integrate(stretch, samples[:, stretch.rows], refinement=2**level)
         if not self.options.richardson:
             return self._runs[0]
+        # Richardson's extrapolation: the h^2 terms of steps h and h/2 cancel.
         coarse, fine = self._runs
         return (4 * fine - coarse) / 3  # both methods are of order 2
 
@@ -209,6 +214,8 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
     integration.generalizedAlpha.spectralRadius = options.spectral_radius
     if isinstance(options, TextbookTimeStepping):
         return
+    # Start values come from the pose solver: positions, velocities and accelerations that satisfy all three levels of
+    # the constraints, including the drive's own acceleration.
     integration.generalizedAlpha.computeInitialAccelerations = False  # those take no account of the drive's own
     integration.adaptiveStep = False  # it adds up time, and ends on a tiny step with absurd forces
     integration.newton.relativeTolerance = options.tolerance

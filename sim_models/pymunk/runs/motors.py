@@ -31,6 +31,8 @@ def forces_with_motors(
     size, before, after = run.steps.size, run.record[: -1 : run.steps.stride], run.record[1 :: run.steps.stride]
     rates, prescribed = before[..., 3:].copy(), [linkage.moved[name].prescribed for name in linkage.members]
     rates[:, prescribed] = after[:, prescribed, 3:]
+    # The step that leads to a sample is taken again from where it began: the pose after it less one move by its rates;
+    # a prescribed body has the rate that is set before the step.
     begin = after[..., :3] - size * rates
     model = run.model(begin[:1], rates[:1])
     bodies, sweeps = model.bodies | {GROUND: model.space.static_body}, model.space.iterations
@@ -47,6 +49,7 @@ def forces_with_motors(
         model.space.step(size)
         model.space.iterations = sweeps // FIRST_SWEEPS
         impulses[k] = [joint.impulse / size for joint in model.joints.values()]
+    # A motor's sense is what the engine finds; a sample counts only where the friction found there opposes the slip.
     slips = np.einsum("nkbi,nbi->nk", directions(linkage, after[..., :3]), after[..., 3:])
     return impulses, np.all(slips * np.stack([found[name] for name in channels], axis=1) <= 0, axis=1)
 

@@ -138,6 +138,7 @@ class PymunkSimulation:
 
 def _richardson(values: Sequence[PoseArray]) -> PoseArray:
     """Extrapolate up to four arrays with errors in dt^2, dt^3 and dt^4, at dt, dt/2, dt/4 and dt/8, to dt = 0."""
+    # Neville's scheme: each pass cancels the leading power of dt, with the factor 2^2, 2^3, 2^4.
     for factor in (4, 8, 16)[: len(values) - 1]:
         values = [(factor * fine - coarse) / (factor - 1) for coarse, fine in pairwise(values)]
     return values[0]
@@ -160,6 +161,7 @@ def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples,
     for rows in blocks(path):
         q = path[rows, :, :3]
         C = np.abs(linkage.gaps(q, positions[rows]))
+        # Rows alternate in guides, offset and angle: angles are turned into lengths by the linkage's size.
         C[:, 2 * len(scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end
         branches[rows], drift[rows], gap[rows] = linkage.branch(q), C[:, -1], C[:, :-1].max(axis=1)
     if linkage.drive.slide is None:

@@ -125,6 +125,7 @@ class Integration:
     @property
     def motions(self) -> Motions:
         """The motion at the samples; the rates of a step belong to its middle."""
+        # Central differences: rates v_(k-1) and v_k are half a step before and after t_k.
         before, after = self.record[: -1 : self.steps.stride], self.record[1 :: self.steps.stride]
         a = (after[..., 3:] - before[..., 3:]) / self.steps.size
         return Motions(after[..., :3], after[..., 3:] - self.steps.size / 2 * a, a)
@@ -141,6 +142,8 @@ class Integration:
         if self._model.drive:
             self._model.aim(there, self.steps.size)
             return
+        # A kinematic body is moved by its rate before rates are updated. It is put back by one move, so that the move
+        # takes it to `here`, and its rate then leads on to `there`.
         behind, rate = 2 * here - there, (there - here) / self.steps.size  # pymunk moves it first, by that rate
         name, slide = self._linkage.drive.body, self._linkage.drive.slide
         body = self._model.bodies[name]
