@@ -9,6 +9,7 @@ import pytest
 
 import analytic
 from scenes import Failure, Scene, Status
+from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import sampled
 
@@ -89,6 +90,24 @@ def test_bounds_are_refused_as_a_run_is() -> None:
     for way in (lambda: analytic.enclose(scene), lambda: analytic.check_way(analytic.solver(scene))):
         with pytest.raises(Failure, match=MEET):
             way()
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "meets"),
+    [(10, 170, None), (190, 250, 180), (250, 190, 180), (-60, -10, 0), (550, 610, 540)],  # the sketch is at 90
+)
+def test_a_range_that_does_not_hold_the_sketch_is_refused_before_any_sample(
+    first: float, last: float, meets: float | None
+) -> None:
+    """No place of the range is singular; one between it and the sketch leaves open which assembly is meant."""
+    scene = parallelogram().with_law(ConstantSpeed(5.0 if last > first else -5.0, radians(first), radians(last)))
+    solver = analytic.solver(scene)
+    if meets is None:
+        analytic.check_way(solver)
+        return
+    with pytest.raises(Failure, match=f"{MEET} {radians(meets):.6f} rad") as caught:
+        analytic.check_way(solver)
+    assert caught.value.status is Status.cannot_assemble
 
 
 def test_up_to_a_change_point_the_assembly_is_the_sketched_one() -> None:
