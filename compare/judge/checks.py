@@ -83,6 +83,8 @@ def checks(
         if motion.samples.keys() >= closed_by(scene, body):
             violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
     if motion.samples.keys() >= {*scene.channels.names(Role.time, Role.input, Role.kinematic)}:
+        # Kinematic channels complete: the motion is projected onto the constraints, and its distance from there is an
+        # estimate of its error without a reference.
         estimated = estimate(mechanics, motion, travel, promise, ends, scale)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         for group in SHOWN_GROUPS:  # its channel that is furthest off; one that is not a number is further than all
@@ -172,6 +174,9 @@ def estimate(
     for drive in mechanics.scene.drives:
         if drive.slide is None:  # how often a crank has turned: its angle is rounded by as much more
             turns = np.maximum(turns, np.abs(motion[drive.channel]) / (2 * np.pi))
+    # Two filters against false alarms. First a bound: eps times a power of the condition times the largest value of the
+    # kind, which costs nothing. If more than the promise is left above that, the projection is repeated with all
+    # numbers a few last places off, and what moves as much is explained too.
     projection = projected(mechanics, motion, ends)
     closed, condition = projection.closed, projection.condition
     scale, far = scale or scales(mechanics, closed, travel), off_origin(mechanics, motion)
@@ -260,6 +265,8 @@ def _newton_euler(state: MotionVectors, pushes: Sequence[Push]) -> Violations:
     """What all that acts on each body, its inertia too, leaves over: N, and about the centre of mass N m."""
     left: Violations = {}
     for name, body in state.scene.bodies.items():
+        # Newton: the sum of all forces, inertia among them; Euler: the sum of moments about the centre of mass, where
+        # inertia has no lever.
         acting, com = [push for push in pushes if push.body == name], state.com(body)[0]
         moments = (((push.at - com).conjugate() * push.force).imag + push.moment for push in acting)
         left["Newton", name, "peak force on the body"] = np.abs(sum(push.force for push in acting))

@@ -44,6 +44,8 @@ def with_derived(reference: Reference, given: Collection[str]) -> Reference:
     neighbours = known.neighbours
     if neighbours and len(parts) < len(names):  # which solve the channels of engines, no angles
         neighbours = tuple(registry.reference(other.scene) for other in known.perturbed)
+    # A copy of the mechanics whose cached neighbours also return what is derived, so that round-off explains it as any
+    # channel.
     mechanics.__dict__["neighbours"] = tuple(_solver(solve, parts) for solve in neighbours)
     values = {each.name: getattr(reference, each.name) for each in fields(Reference)}
     values["scale"] = {**reference.scale, **{name: reference.scale.get(like, 1.0) for name, like in likes.items()}}

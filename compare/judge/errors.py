@@ -67,6 +67,8 @@ def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
     commanded = reference.at(position, sampling.times(scene))
     slope = _slope(reference, commanded)
     actual = reference.at(motion[scene.drive_channel], motion["time"])
+    # Errors twice, at the commanded and at the actual position of the drive: their difference is what the drive's lag
+    # does. On a press force's switch both have the same choice.
     may = reference.acts(commanded, actual)  # a drive that lags must not decide on which side of a switch it is
     by_command, errors = (reference.errors(motion, true, may) for true in (commanded, actual))
     return Comparison(
@@ -124,6 +126,8 @@ def error_table(
         "commanded_max": [_largest(comparison.commanded[channel]) for channel in named],
         "commanded_rms": [_rms(comparison.commanded[channel]) for channel in named],
     }
+    # The floor is applied to all figures at once, shape (figures, channels); the reference's own row without a floor
+    # has NaN.
     shown = np.maximum([*figures.values()], np.where(floors >= 0, floors, least)).T.tolist()
     for channel, floor, row in zip(named, floors.tolist(), shown, strict=True):
         yield ChannelError(

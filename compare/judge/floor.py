@@ -86,6 +86,9 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
         Run(registry.REFERENCE, settings, Status.ok, motion=answer.prompt),
         runs.run(registry.ORACLE, scene, sampling),
     )
+    # The core's answer and that of arbitrary precision go through the same judgement as any engine. The floor is their
+    # difference at FLOOR_SAMPLES positions; a disagreement beyond promise and round-off is a doubt, and who contradicts
+    # itself is suspected first.
     core, oracle = (assess(reference, sampling, run, explained) for run in both)
     if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and rough(reference):
         raise other_assembly(reference, registry.ENTRIES[registry.ORACLE].distribution)

@@ -94,6 +94,7 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
     for channel in reference.mechanics.groups:
         row = reference.scene.channels[channel]
         both = row.components if row.axis else (channel,)
+        # Both components of a vector are rounded: its error is bounded by the norm of their halves.
         half = np.linalg.norm([halves[c] for c in both if c in halves] or [np.zeros(1)], axis=0)
         relative = half / sizes(true, row, reference.scale[channel]) + moved.get(channel, 0.0)
         written[channel] = np.minimum(relative, MAX_EXCUSED * np.maximum(explained.terms.get(channel, 1.0), 1.0))
@@ -118,6 +119,8 @@ def _excused(
     draw, complete = np.random.default_rng(SEED), given.samples.keys() >= reference.mechanics.units.keys()
     way = np.abs(inputs_of(reference.scene, true["time"]).driven().rate) * halves["time"]  # of the drive meanwhile
     halves = {**halves, reference.scene.drive_channel: way}
+    # The reference written as the result is: random errors within the half decimals. What a check finds in that, times
+    # a factor for chance, is what decimals excuse in the result.
     rounded = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in given.samples}
 
     def found(motion: Motion) -> list[Check]:

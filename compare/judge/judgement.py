@@ -87,6 +87,8 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
         against = [m for m in against if m.run.status is not Status.wrong_branch]
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
     if not doubt:
+        # A vote without 50 digits: two engines that share no method and agree within the sum of their promises, while
+        # both contradict the core, put it in doubt. One alone does not.
         pairs = [
             (first, second)
             for first, second in combinations(against, 2)

@@ -82,6 +82,8 @@ def assess(
         return Measurement(outcome, None, [], asked=sampling)
     promise = (outcome.settings or Settings("")).promise
     find_checks = find or (lambda motion: checks(reference.mechanics, motion, reference.travel, promise))
+    # Order of judgement: completeness, checks of the run's own output, the reference. A later step cannot excuse what
+    # an earlier one found.
     checked = find_checks(outcome.motion)
     verdict = judged(outcome, checked)
     try:

@@ -120,6 +120,7 @@ def helping_tables(reference: Reference) -> Iterator[str]:
             continue
         state = MotionVectors(scene, motion)
         power = sum(power_of(state, push) for push in of_element(state, load))
+        # Work with and against the motion apart: a resistance takes what it gives back at most.
         given, taken = (float(np.trapezoid(np.maximum(sign * power, 0.0), motion["time"])) for sign in (1, -1))
         if given - taken > MAX_WORK_GAINED * (given + taken):
             share = (

@@ -96,6 +96,8 @@ def held(
             continue
         rows = [known.get((name, end), Enclosure(name, end, -inf, inf, nan, nan)) for end in ("least", "most")]
         sampled, turn = [run.of(scene, name) for run in runs], 0.0
+        # An angle is known but for whole turns: bounds, samples and limits are moved to the same turn before they are
+        # compared.
         if scene.channels[name].modulo_turn:
             first, last = rows[0].low, rows[1].high
             if not isfinite(first + last) and sampled and sampled[0].size:
@@ -120,6 +122,9 @@ def _held(
 ) -> HeldLimit:
     """One limit, of the most or with the sign -1 of the least; a proof of a `part` of the run can only miss it."""
     (factor, unit), (inner, outer) = limited(scene, row.channel, shown), sorted((sign * row.low, sign * row.high))
+    # Bounds decide: missed if even the inner bound is beyond the limit, met if the outer one is within, else open. Then
+    # samples: one of the reference beyond the limit by more than its promise makes it missed; one of another engine
+    # makes it open, as one of the two must be wrong.
     outcome = MISSED if inner > sign * limit else MET if outer <= sign * limit and not part else OPEN
     low, high = (apart(factor * bound, factor * limit) for bound in (row.low, row.high))
     found = with_unit(low if low == high else f"between {low} and {high}", unit)
@@ -157,6 +162,7 @@ def whole_turns(first: float, last: float, limits: LimitTable) -> int:
     An angle of a turn and more passes all directions: it stays, from -pi to pi at the drive's start.
     """
     given = [end for end in (limits.least, limits.most) if end is not None]
+    # The nearest turn by the middles of limits and range.
     offset = sum(given) / len(given) - (first + last) / 2
     if not isfinite(offset) or (len(given) == 1 and last - first >= tau):
         return 0

@@ -149,6 +149,8 @@ def _fault(scene: Scene, size: float, places: Places) -> str:
     near = max(distances.values(), default=0.0) <= NEAR_TOL * size
     if near and turned <= MAX_TURNED:
         return ""
+    # The decision takes all assemblies, and is made last: rough sketches that are near their own assembly need none of
+    # them.
     every = _assemblies(scene)
     if every and max(_off(scene, _of(scene, every[0])).values()) <= NEAR_TOL * size and not near:
         return ""  # a clear one, of which the core has taken another assembly: no fault of the sketch
@@ -169,6 +171,8 @@ def _turned(scene: Scene, places: Places) -> Iterator[tuple[float, str]]:
         if name in scene.turning and name not in scene.driven and len(known) > 1:
             drawn = np.array([scene.drawn[point] for point in known])
             posed = np.array([places.get(point, scene.drawn[point]) for point in known])
+            # Best-fitting rotation of the posed points onto the drawn ones: the angle of the sum of conj(p) z about
+            # their means.
             yield abs(phase(np.vdot(posed - posed.mean(), drawn - drawn.mean()))), name
 
 
@@ -225,6 +229,7 @@ def _what_fits(scene: Scene, size: float, fit: SketchFit | None) -> str:
 def _scaled(scene: Scene) -> float:
     """How many times as far apart as on their bodies points are drawn, by the median, where it is not about once."""
     drawn = scene.drawn
+    # The median over pairs of points on one body: a wrong unit scales them all, a wrong point only some.
     pairs = [
         abs(drawn[p] - drawn[q]) / length
         for (p, q), length in chain(*(distances(body).items() for body in scene.bodies.values()))

@@ -137,6 +137,8 @@ def near_singular(reference: Reference, failed: Measurement) -> str:
     length that is off by that distance makes another linkage of it.
     """
     channels = reference.scene.channels
+    # Distance to the nearest singular configuration over the cycle, by length; the engine must leave its branch within
+    # a window about that place, and have no excuse in its settings.
     locks = {name: v for name, v in reference.cycle.samples.items() if channels[name].quantity == TO_LOCK}
     if failed.comparison is None or not locks or failed.run.status not in LEFT:
         return ""

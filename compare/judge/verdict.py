@@ -61,6 +61,8 @@ def judged(run: Run, checks: Sequence[Check]) -> Run:
     """The run, its status corrected where its own output contradicts it, or is further off than promised."""
     if run.status is not Status.ok:
         return run
+    # The first limit that any check breaks names the run, worst status first; of several checks the worst violation is
+    # shown.
     for limit in limits(run.settings or Settings("")):
         broken = [check for check in checks if check.check == limit.check and not check.worst <= limit.most]
         if broken:
@@ -78,6 +80,8 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
     if run.status is not Status.ok:
         return run
     for point, names in scene.channels.points.items():
+        # With closed joints and the drive in place a point can only be so far off in another assembly. The first such
+        # sample is named.
         places = [comparison.actual[channel] for channel in names.place if channel in comparison.actual]
         far = np.max(places, axis=0, initial=0.0)
         if not far.max() <= BRANCH_TOL:

@@ -109,6 +109,8 @@ class Constraints:
         q = self.poses(motion)
         J = self.jacobian(q)
         branch = self._branch(J)
+        # One Newton step takes a gap g to about kappa g^2: an engine's gaps of 1e-6 become round-off, larger ones
+        # remain as errors. A pose in which J is singular stays as it is.
         step = self._solve(J, self.gaps(q, motion[self.scene.drive_channel])[..., np.newaxis]).reshape(q.shape)
         q = q - np.where(np.isfinite(step), step, 0.0)
         J = self.jacobian(q)
@@ -139,6 +141,8 @@ class Constraints:
 
     def jacobian(self, q: Poses) -> Matrices:
         """J = dC/dq."""
+        # Row by row: the gradient of Re(conj(d e^(i theta_k)) w) by place and angle of both bodies, and by the angle of
+        # the frame, in which d turns; rows of turns are +-1 in two angles. The ground's columns are cut off.
         along, w, *arms = self._parts(q)
         rows = np.arange(len(self.units))
         J = np.zeros((len(q), len(rows), len(self.bodies), 3))
@@ -151,6 +155,8 @@ class Constraints:
 
     def _branch(self, J: Matrices) -> Samples:
         """The sign of det J, but for one that is the same everywhere, shape (n,); NaN where J is not finite."""
+        # The determinant of a block-triangular matrix is the product of its blocks' determinants, but for the sign of
+        # the permutation, which is the same in all poses.
         each = [np.linalg.slogdet(_blocks(J, rows, columns)) for rows, columns, _ in self._groups]
         signs, sizes = (np.concatenate(of, axis=1) for of in zip(*each, strict=True))
         return np.where(np.isnan(sizes.sum(axis=1)), np.nan, signs.prod(axis=1))
@@ -168,6 +174,8 @@ class Constraints:
     def bending(self, q: Poses, v: Poses) -> Samples:
         """d²C/dt² at rates v without accelerations, shape (n, m)."""
         (along, w, arm, other), (rate, omega) = self._parts(q), planes(v)
+        # With frame k turning at w_k: d'' in the ground is -w_k^2 d, so that (conj(d) w)'' = conj(d) (w'' - 2 i w_k w'
+        # - w_k^2 w).
         spin, other_spin, turn = (1j * omega[:, bodies] for bodies in (self._first, self._second, self._frame))
         dw = rate[:, self._first] + spin * arm - rate[:, self._second] - other_spin * other
         ddw = spin**2 * arm - other_spin**2 * other
@@ -191,6 +199,8 @@ class _Blocks(NamedTuple):
 
 def _alike(blocks: Iterable[DiagonalBlock]) -> list[_Blocks]:
     """Diagonal blocks, those together that can be solved together, each after all that it needs."""
+    # Levels of the block-triangular order: a block is one level below the deepest that it needs. Blocks of one level
+    # and one shape are solved in one call of NumPy.
     depth, alike = dict[int, int](), dict[tuple[int, int, int], list[DiagonalBlock]]()  # by column, by size
     for block in blocks:
         below = 1 + max((depth[column] for column in block.left), default=-1)

@@ -80,6 +80,7 @@ def generalised(state: MotionVectors, pushes: Iterable[Push], arm: float) -> Sam
     order = {name: number for number, name in enumerate(state.scene.bodies)}
     forces = np.zeros((len(state.motion["time"]), len(order), 3))
     for push in (push for push in pushes if push.body in order):
+        # Moment about the first point: z-component of lever x force, as conj(lever) force has it in its imaginary part.
         lever = push.at - state.place(state.scene.bodies[push.body].points[0])
         turning = (lever.conjugate() * push.force).imag + push.moment
         own = np.broadcast_arrays(arm * push.force.real, arm * push.force.imag, turning)
@@ -140,6 +141,7 @@ def pulled(
 ) -> Iterator[Push]:
     """Yield what pulls two points together: by their distance, m, and its rate, m/s, each of shape (n,)."""
     for (body, point), (_, other) in (pair.ends, pair.ends[::-1]):
+        # The pull is along the line between the points; at zero distance it has no direction and is taken as none.
         z, v, _ = state.point(point)
         towards = state.place(other) - z
         distance = np.abs(towards)
@@ -163,6 +165,9 @@ def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
         near = sign * position
     else:
         try:
+            # A pose shows the angle modulo a turn. Which turn it is follows from the course of the angle over one cycle
+            # of the reference, continued by what a cycle gains; the motion's own angle then only corrects within half a
+            # turn.
             places, angles = _course(scene, spring)
         except Failure:  # no other motion is known than this one
             return np.unwrap(np.remainder(within + pi, 2 * pi) - pi)
@@ -180,6 +185,7 @@ def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     names = {scene.channels.bodies[body].angle: sign for body, sign in signs.items() if body in scene.turning}
     motion = registry.reference(scene, frozenset(names))(places, np.zeros_like(places))
     turning = (sign * motion[name] for name, sign in names.items())
+    # Samples are dense enough that no angle moves by half a turn between two. The start is put within (-pi, pi].
     angles = np.unwrap(sum(turning, np.zeros_like(places)))
     start = float(np.interp(inputs_of(scene, 0.0).driven().position, places, angles))
     return places, angles - 2 * pi * ceil((start - pi - HAIR) / (2 * pi))
@@ -240,6 +246,7 @@ def argument(state: MotionVectors, body: str, table: LoadCurve) -> Samples:
 def inertial(state: MotionVectors) -> Iterator[Push]:
     """Yield the inertia of each body as a force and a couple on it, against its accelerations (d'Alembert)."""
     for name, body in state.scene.bodies.items():
+        # d'Alembert: with the inertia as a push, each body's forces and moments add up to zero.
         z, v, a = state.com(body)
         couple = -inertia(body) * state.angle(name, 2)
         yield Push(name, -(body.mass or 0.0) * a, z, couple, v, f"the inertia of {name}")

@@ -78,6 +78,9 @@ def by_law(state: MotionVectors, forces: Mapping[str, Samples]) -> dict[str, Sam
     return {**law, POWER: np.asarray(power)} if law else law
 
 
+# Coulomb friction is a fixed point: loads of joints give friction, which changes the loads. Column j of `gains` is the
+# change of all loads by a unit of the friction of joint j, an upper bound since |.| is Lipschitz with constant one;
+# times the coefficients it is the matrix of the map. Its spectral radius below one makes the fixed point unique.
 def contraction(mechanics: Mechanics, motion: Motion) -> Samples:
     """By how much the joints' loads change at most with what their friction was found by, shape (n,).
 

@@ -70,6 +70,9 @@ class Mechanics:
         A drive's frequencies stay, which decide how long a cycle is: instants a few last places off do the same.
         """
         numbers = {one.at: one.value for one in rounded(self.scene)}
+        # Random signs for all numbers at once: a few draws show the sensitivity of a result to round-off of its inputs
+        # at the price of a few solutions, where one draw a number would take hundreds. Draws may cancel in one channel
+        # by chance, so the worst of several counts.
         signs = np.random.default_rng(SEED).choice((-1.0, 1.0), (DRAWS, len(numbers)))
         jittered = np.array([*numbers.values()]) * (1 + ULPS * EPS * signs)
         return tuple(Mechanics(put(self.scene, dict(zip(numbers, values, strict=True)))) for values in jittered)

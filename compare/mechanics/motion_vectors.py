@@ -108,6 +108,8 @@ class MotionVectors:
         second = (self.place(body.points[0], 2) * self.along(body).conj()).real  # on the ground
         x, v, a = (load.closing * samples for samples in (*self.displacement(body), second))
         h = np.diff(self.motion["time"])
+        # The displacement between two samples is the quintic through both ends' values, rates and accelerations; a dead
+        # point between them is where its derivative vanishes.
         turns = np.flatnonzero((v[:-1] > 0) & (v[1:] < 0))
         inside = [_peak(quintic(h[k], *(of[k : k + 2] for of in (x, v, a)))) for k in turns]
         return load.closing * max([float(x.max()), *inside])
@@ -129,6 +131,8 @@ class MotionVectors:
         """
         for load, end in zip(self.scene.presses.values(), ends, strict=True):
             x, v = self.displacement(self.scene.bodies[load.body])
+            # At the end of a stroke x is within dx of the end while v passes zero: x goes as the square of v there, so
+            # that v may be as uncertain as the root of HAIR, `TURNING`.
             dx = HAIR * np.ptp(x)
             dv = np.where(np.abs(end - x) <= dx, TURNING, HAIR) * np.abs(v).max()
             yield np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)])
@@ -139,6 +143,8 @@ def quintic(h: Any, x: Any, v: Any, a: Any) -> Samples:
 
     Values x and their derivatives v and a are pairs, those at the two ends of a step, each of shape (...).
     """
+    # Hermite interpolation in powers of s: the first three coefficients from the left end, the others from what value,
+    # rate and acceleration still lack at s = 1.
     (x0, x1), (v0, v1), (a0, a1) = x, (h * v[0], h * v[1]), (h**2 * a[0], h**2 * a[1])
     d, e, f = x1 - x0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
     rest = 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2

@@ -80,6 +80,8 @@ def _loads(
     units = mechanics.constraints.units
 
     def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
+        # Multipliers from J^T lambda = M q'' - Q: with inertia as pushes the right side is minus all pushes, by rows in
+        # units of their constraints.
         loaded = replace(own, acting=acting)
         pushes = generalised(loaded, (*inertial(loaded), *applied(loaded)), mechanics.size)  # Q - M q''
         multipliers = -(inverse.swapaxes(1, 2) @ pushes[..., np.newaxis])[..., 0] / units

@@ -58,6 +58,7 @@ def suited(file_units: FileUnits, sizes: Iterable[tuple[str, float]]) -> Units:
     shown: dict[str, tuple[float, str]] = {"": (1.0, "")}
     for si, peak in peaks.items():
         name, size = of_file[si]
+        # A unit that takes no prefix is kept whatever the size; others where the peak reads from 1 to MAX_READ.
         is_suited = not _PREFIXABLE.fullmatch(name) or not peak or 1 <= peak / size < MAX_READ
         shown[si] = (1 / size, named(name)) if is_suited and name else prefixed(peak, si)
     return shown

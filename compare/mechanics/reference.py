@@ -179,6 +179,8 @@ def on_switch(may: Sequence[Acts]) -> NDArray[np.intp]:
 
 def fixed(scene: Scene, acting: Acting) -> Iterator[tuple[Scene, NDArray[np.intp]]]:
     """Yield scenes whose press forces always or never act, with the samples where they stand so."""
+    # Samples that share one combination of acting forces are solved together: a scene with those forces always on,
+    # without the others.
     ways, rows = np.unique(acting, axis=1, return_inverse=True)
     for number, way in enumerate(ways.T):
         standing = dict(zip(scene.presses, way, strict=True))

@@ -81,6 +81,7 @@ def explain(reference: Reference, sampling: Rows) -> Explained:
     scene, mechanics = reference.scene, reference.mechanics
     true = reference.at(sampling.commanded(scene), sampling.times(scene))
     moved = _sensitivity(reference, true)
+    # Places far off the origin are rounded by their own size, not the linkage's: the condition counts that many times.
     known = mechanics.constraints.condition(true) * off_origin(mechanics, true)
     state = MotionVectors(scene, true)
     forces = magnitudes(state, mechanics.size) if mechanics.forces else {}

@@ -69,6 +69,8 @@ def force_scales(
     natural = heaviest * max(travel.values()) * mechanics.scene.pace**2
     known, channels = _kinematic(mechanics, travel), mechanics.scene.channels
     second = [name for name in motion.samples if name in known and channels[name].order == 2]
+    # Nothing accelerates and no force is above round-off: a scale of its peak would make noise of it an error of order
+    # one.
     still = (np.abs(motion[name]).max() <= REST * known[name] for name in second)
     if largest <= REST * natural and all(still):
         return dict.fromkeys(peaks, min(natural, 1.0) or 1.0)
@@ -147,6 +149,8 @@ def chord(places: Vectors) -> complex:
     It is one between corners of their convex hull that two parallel lines touch (rotating calipers, Shamos 1978): the
     corner opposite to an edge has that edge's direction, turned by half a turn, between those of its own two edges.
     """
+    # Andrew's monotone chain from left to right and back gives the hull counter-clockwise. Edge directions rise once
+    # round, so that the corner opposite to an edge is found by bisection for the direction turned by pi.
     ordered = np.sort(places)  # by x, then by y
     hull = np.array(_below(ordered.tolist())[:-1] + _below(ordered[::-1].tolist())[:-1])
     if len(hull) < 3:

@@ -157,6 +157,8 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         late = evidence.late(start + float(lag[0]))
         return {c: late[c] for c in part.channels if late}
 
+    # The deviation as a function of the lag has many local minima over a cycle: Gauss-Newton starts from the best of
+    # several lags of samples and of parts of a cycle.
     starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * scene.cycle for k in CYCLES_LATE] * scene.periodic
     either = (sign * time_late for time_late in starts for sign in (1, -1))
     start = min(either, key=lambda first: evidence.left(predict(np.zeros(1), first)))
@@ -196,6 +198,7 @@ def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 
 def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield a part, or those of its channels that it explains, averaged over neighbouring samples."""
+    # Smoothing adds a share of the second difference to each sample; the share is fitted, one for all channels.
     bends = {c: np.diff(np.pad(evidence.true[c], 1, "edge"), 2) for c in part.channels}
     sizes = [float(evidence.added([{c: bend}])[0][0]) for c, bend in bends.items()]
     typical = float(np.median([size for size in sizes if abs(size) > MIN_BEND] or [0.0]))
@@ -247,6 +250,7 @@ def irregular(evidence: Evidence) -> Cause | None:
     part = min(parts, key=lambda part: len(part.channels))
     deviations = np.array([evidence.deviation[c] for c in part.channels])
     square, by_row = float(np.sum(deviations**2)), np.sum(deviations**2, axis=0)
+    # White noise: neighbouring deviations do not correlate, and the fourth moment by row is not carried by a few rows.
     if np.sum(
         deviations[:, 1:] * deviations[:, :-1]
     ) <= MAX_CORRELATION * square and square**2 >= MIN_SPREAD * by_row.size * np.sum(by_row**2):

@@ -95,6 +95,7 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
         less = {f"gravity.{axis}": -g for axis, g in enumerate(scene.gravity)}
         yield alone(Cause(Kind.mass, "all", "inertia's share of all forces is {percent}"), (masses | inertias | less,))
     bars = [name for name in turning if scene.bodies[name].inertia is None and len(scene.bodies[name].corners) == 2]
+    # The inertia of a bar of width w is m (l^2 + w^2) / 12: linear in w^2, whose root is the width.
     if bars:  # as wide as w they have m w²/12 more
         wide = {f"bodies.{name}.inertia": weight_of[name].mass / 12 for name in bars}
         cause = Cause(Kind.inertia, "all", "each uniform bar's moment of inertia is that of one {length} wide")

@@ -59,6 +59,9 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
     channels = evidence.channels
     pairs = (pair for pair in vectors(channels, evidence.names) if channels[pair[0]].order in (0, 1))
     true = {c: evidence.true[c] for pair in pairs if {*pair} <= {*evidence.names} for c in pair}
+    # A similarity g = a z + b is linear in the four numbers Re a, Im a, Re b, Im b: places and velocities seen from a
+    # frame not turned, and turned by 90 degrees, and unit shifts of places are the columns of one least-squares
+    # problem. What is near a known unit or no turn is then taken for exactly that, and costs no number.
     ways = [seen(channels, Frame(turn, mirrored=mirrored), true) for turn in (0.0, np.pi / 2)]  # by the parts of a
     shifted = {c: channels[c].axis if channels[c].order == 0 else "" for c in true}
     ways += [
@@ -150,6 +153,7 @@ def _speeds(evidence: Evidence, scene: Scene, law: ConstantSpeed) -> Iterator[Hy
     """Another speed: with its poses, with those asked for and other rates, or instants that are too far apart."""
     time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
     there = evidence.given[scene.drive_channel] - law.start
+    # Candidates of the speed: by the drive's own positions, backwards, and by the velocities returned.
     rates = {float(there @ time / (time @ time)), -law.speed}
     if velocities := {c: evidence.true[c] for c, order in _orders(evidence).items() if order == 1}:
         rates.add(law.speed * (1 + float(evidence.added([velocities])[0][0])))

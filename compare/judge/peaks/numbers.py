@@ -97,6 +97,7 @@ def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[Cycle
         acts = at(height, row) > ROUND_OFF_TOL * curve.scale
         value = np.where(acts, at(values, row), 0.0)
         yield CycleNumber(f"peak {name} {effort}", curve, value, curve.unit, size, np.where(acts, row, -1))
+    # The trapezoidal rule over samples that need not be equally spaced: refined cycles have more of them at extremes.
     mean_square = _sum(values**2, time) / (time[..., -1] - time[..., 0])
     yield CycleNumber(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
     fastest = np.abs(rate).max(axis=-1)
@@ -165,6 +166,9 @@ class Stroke:
         rates = [-self.closing * self.by_kind[kind].values(self.motion) for kind in kinds]
         x, *derivatives = [(v[..., :-1][step], v[..., 1:][step]) for v in (self._away, *rates)]
         time = np.diff(self.motion["time"])[step]
+        # The instant at which the slider is DWELL_TOL of the stroke off its closed end: Newton's method on the quintic
+        # between two samples, or on a line where the rates are not exactly those of the positions, from the zero of the
+        # chord.
         path = quintic(time, x, *derivatives) if len(derivatives) == 2 else np.array([x[0], x[1] - x[0]])
         slope = np.arange(1, len(path))[:, np.newaxis] * path[1:]
         share = x[0] / (x[0] - x[1])
@@ -188,6 +192,8 @@ class Stroke:
         """The time of the closing stroke over the other's, shape (...); NaN unless a cycle has one of each."""
         velocity, time = self.by_kind["velocity"].values(self.motion), self.motion["time"]
         outwards = velocity > REST_TOL * np.abs(velocity).max(axis=-1, keepdims=True)
+        # Both turns of a cycle by linear interpolation of the velocity; the two strokes are the time between them and
+        # the rest of the cycle.
         turns = outwards[..., :-1] != outwards[..., 1:]
         rows = turns.argmax(axis=-1), turns.shape[-1] - 1 - turns[..., ::-1].argmax(axis=-1)
         instants = []

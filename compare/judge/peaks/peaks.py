@@ -90,6 +90,7 @@ def _lows(reference: Reference, channel: str) -> Samples:
     """
     cycle, scene = reference.cycle, reference.scene
     few = Sampling(SCALE_SAMPLES // STRIDE)
+    # Two passes: a coarse one over the cycle, and all samples around each of its low bottoms.
     low = reference.at(few.commanded(scene), few.times(scene))[channel]
     values = np.interp(np.arange(SCALE_SAMPLES + 1), np.arange(0, SCALE_SAMPLES + 1, STRIDE), low)
     bottom = (low <= np.append(np.inf, low[:-1])) & (low <= np.append(low[1:], np.inf))

@@ -75,6 +75,9 @@ def refined(
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if jump else 1  # samples on either side of a place
     bare = bare and not jump and not scene.friction
+    # Extremes by successive parabolas: each round takes samples at a tenth of the last spacing around the vertices
+    # found, of all quantities and machines in one call of `solve`. The distance to the extreme falls to about its
+    # square in a round. Where forces jump there is no parabola; a fan of samples on either side closes in instead.
     high = heights(scene, followed, cycle)
     rows = [height.argmax(axis=-1) if jump else _top(height, repeats=repeats) for height in high]
     near = np.stack(rows, axis=-1) * step
@@ -143,6 +146,8 @@ def _near_own(scene: Scene, followed: Sequence[CycleCurve], motion: Motion, shap
 
 def _to_longest(ends: Values) -> Samples:
     """How many steps further two places are furthest apart, shape (..., 2), by samples around both, (..., 2, 3)."""
+    # Newton's method for the maximum of |z1(t1) - z2(t2)|^2 over both instants, with z1 and z2 parabolas through their
+    # samples. Gradient and Hessian are halved; a Hessian that is not negative definite belongs to no maximum.
     before, z, after = np.moveaxis(ends, -1, 0)
     (v1, v2), (a1, a2) = (np.moveaxis(x, -1, 0) for x in ((after - before) / 2, after - 2 * z + before))
     d = z[..., 0] - z[..., 1]
@@ -174,6 +179,8 @@ def _top(height: Samples, *, repeats: bool) -> Samples:
     middle = row % (n - 1) if repeats else np.clip(row, 1, n - 2)
     sides = ((middle - 1) % (n - 1), middle + 1) if repeats else (middle - 1, middle + 1)
     before, here, after = (samples[machine, column] for column in (sides[0], middle, sides[1]))
+    # Vertices of all local maxima near the highest sample: the highest sample and the highest vertex need not belong to
+    # the same peak.
     slope, bend = (after - before) / 2, after - 2 * here + before
     way = np.clip(-slope / np.where(bend < 0, bend, -np.inf), -1, 1)
     places = np.zeros(len(samples))
@@ -202,6 +209,7 @@ def _vertex(time: Samples, height: Samples) -> Samples:
     if time.shape[-1] != 3:
         return highest
     (t0, t1, t2), (y0, y1, y2) = np.moveaxis(time, -1, 0), np.moveaxis(height, -1, 0)
+    # Newton's divided differences: the samples need not be equally spaced.
     slope = (y1 - y0) / (t1 - t0)
     bend = ((y2 - y1) / (t2 - t1) - slope) / (t2 - t0)
     vertex = (t0 + t1) / 2 - slope / (2 * np.where(bend < 0, bend, np.nan))
