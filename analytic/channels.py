@@ -67,6 +67,8 @@ def asked(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None) -> tu
     every = (*given, *(name for names, _ in known for name in names))
     request = Sampling(channels=known_names("channels", channels, every))
     wanted = {scene.channels[channel].subject for channel in (request.channels or frozenset()).difference(given)}
+    # Groups hang on earlier ones only: those at the end that nobody asks about may go, and all before the last one
+    # needed stay. Forces need all, since later groups load earlier ones.
     count = len(whole.groups)
     while count and wanted.isdisjoint(_names(whole, whole.groups[count - 1])):
         count -= 1

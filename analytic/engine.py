@@ -135,6 +135,8 @@ def differenced(scene: Scene, linkage: Linkage, driven: Driven, *, step: float) 
         position = driven.position + sign * moved[0] + moved[1] * sign**2
         return kinematics(scene, linkage, driven._replace(position=position), rates=False)
 
+    # Central differences of second order in the time step; angles by the turn from one attitude to the next, so that no
+    # wrap by a turn comes in.
     before, k, after = map(at, (-1, 0, 1))
     for point, z in k.z.items():
         k.v[point] = (after.z[point] - before.z[point]) / (2 * step)

@@ -134,6 +134,7 @@ class Solver:
         time, driven = inputs.time, inputs.driven()
         position = driven.position
         self.check_hull(position)
+        # Recording pays after many positions in all calls together.
         self._solved[0] += len(position)
         line_pays = self.at_hand is not None or (len(position) >= LONG and self._solved[0] >= RECORDED_FROM)
         by_line = line_pays and not single and self.motion_at is None and self._is_recorded(driven)

@@ -62,6 +62,7 @@ class RubbingPin(RubbingContact):
 
     def factor(self, one: PinFriction, mu: Any) -> Any:
         """The radius of the friction circle."""
+        # r sin(arctan mu): the resultant of the pin's pressure and friction is tangent to the circle of this radius.
         return one.radius * mu / np.sqrt(1 + mu * mu)
 
     def size(self, X: Any) -> Any:
@@ -75,6 +76,8 @@ class RubbingPin(RubbingContact):
     def first_known(self, one: PinFriction, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
         """That of the pin's later body; where that carries the pin, of the first that hangs on it."""
         pin = one.pin(balance.scene)
+        # The pin's force on its later body is known as soon as that body's group is balanced. If that body carries the
+        # pin, its force follows from the bodies that hang on it, the last of which is balanced with the lowest number.
         carrier = next((body for body, points in balance.linkage.carries.items() if pin.point in points), GROUND)
         others = [body for body in balance.scene.owners[pin.point] if body != pin.second]
         return min(group_of[body] for body in others) if pin.second == carrier else group_of[pin.second]

@@ -101,6 +101,8 @@ def decompose(scene: Scene) -> Linkage:
         driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.drive.slide is None))
         placed.add(driven)
     groups: list[Dyad | Group] = []
+    # Greedy, in solving order: placing a group never spoils another one, since more placed points only help what is
+    # left.
     while left := [name for name in scene.bodies if name not in placed.carries]:
         group = next(_dyads(placed, left), None) or _fewest(placed, left)
         groups.append(group)
@@ -194,12 +196,15 @@ def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1 and name not in driven}
     for via, body in (driven, driven[::-1]) if {*driven} <= {*left} else ():
         match placed.outer(via), placed.outer(body):
+            # Two bodies with the drive between them, of which one is pinned to what is placed and the other to nothing,
+            # are one leg whose length or bend the drive changes.
             case [Pinned(_, A)], []:
                 legs[body] = Pinned(body, A, via)
     for P, owners in scene.owners.items():
         for first, second in combinations(owners, 2):
             if P not in placed.points and first in legs and second in legs:
                 yield _inner_pin(placed, P, legs[first], legs[second])
+    # The slide between two legs is the inner joint: one of them, pinned, carries the guide or the slider of the other.
     for pair in combinations(legs, 2):
         for first, second in (pair, pair[::-1]):
             inner, pinned = placed.guided(first, second), legs[second]
@@ -247,6 +252,8 @@ def _sign(value: Number, why_not: str) -> Number:
 def _fewest(placed: _Placed, left: list[str]) -> Group:
     """Return the fewest of the bodies left that hang on what is placed without a freedom of their own."""
     # By Gruebler's count: three a body, less two for each pin and each slide, and one for a drive. All left has none.
+    # Subsets in the order of their size: the cost is exponential in the number of bodies left, of which linkages with
+    # larger groups have few.
     subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
     groups = (larger_group(placed, bodies) for bodies in subsets)
     group = next(group for group in groups if _held(group) >= 0)

@@ -81,6 +81,7 @@ class Loading:
 
     def twisted(self, spring: TorsionSpring, place: str) -> Any:
         """The angle of a torsion spring, over whole turns."""
+        # The pose gives the angle modulo a turn; the input, which is roughly right, picks the turn.
         phi = twist(spring, self.k)
         return phi + tau * np.floor((self.given[place] - phi) / tau + 0.5)
 
@@ -140,6 +141,7 @@ def _moment(load: Moment, _: str, at: Loading) -> Acting:
 
 def _spring(spring: Spring, _: str, at: Loading) -> Acting:
     d = at.apart(spring)
+    # Without damping, a spring of no free length pulls by k d and needs no direction where its ends meet.
     along = at.along(d, spring.length if spring.damping is None else None)
     pull = spring.stiffness * (d - spring.length * along)
     if spring.damping is not None:

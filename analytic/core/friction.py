@@ -108,6 +108,9 @@ class Loads:
     def solved(self) -> tuple[list[Any], Any]:
         """Return w of (1) by a few steps, and a number that is below one where they are near to its one solution."""
         slopes = [one.slope() for one in self.rubbing]
+        # A fixed number of steps, so that the method is a straight line that can be recorded: fixed-point steps from no
+        # friction, which are safe in a contraction, then Newton's. Whether that was enough is asked at the end, by the
+        # last step.
         w: list[Any] = [0.0 * x.real for x in self.X0]
         for _ in range(GUESSES):
             F, _ = self.open(w, slopes)
@@ -138,6 +141,8 @@ class Loads:
 
         Unless it may be `anywhere`, the determinant of the Jacobian has the sign that it has without friction.
         """
+        # Newton's method is near a solution where each step is at most half the last. A positive determinant (without
+        # friction it is one) means that no fold was passed.
         slopes = [one.slope(factor) for one in self.rubbing]
         near, before = np.ones(len(w), np.bool_), np.full(len(w), np.inf)
         for _ in range(steps):
@@ -159,6 +164,8 @@ class Loads:
         """The solution that the one without friction becomes, (r, K), and where it ends before the factor 1, (r,)."""
         w = -np.stack([one.viscous for one in self.rubbing], axis=-1)
         factor, step = np.zeros(len(w)), np.full(len(w), 0.25)
+        # Numerical continuation row by row: the step of the factor doubles on success and is halved on failure. Below
+        # LEAST_STEP the branch has ended.
         while (left := (factor < 1) & (step > LEAST_STEP)).any():
             going = np.flatnonzero(left)
             trial = np.minimum(1.0, factor[going] + step[going])
@@ -174,6 +181,8 @@ class Loads:
         loads = np.max(np.abs(self.X0), axis=0)[:, None]
         gains = np.moveaxis(np.array(self.gains), -1, 0)
         unproven, another = np.abs(np.linalg.eigvals(gains)).max(axis=-1) >= 1, np.zeros(len(w), np.bool_)
+        # A search, no proof: other solutions are found if Newton's method leads to them from frictions of several
+        # sizes, of all joints or of one. Rows whose contraction is below one need no search.
         for some in (np.ones(len(self.rubbing)), *np.eye(len(self.rubbing))) if unproven.any() else ():
             for start in STARTS:
                 from_there = -slope * loads * start * some

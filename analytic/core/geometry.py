@@ -84,6 +84,8 @@ def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
         a, b = lengths[frozenset((B, C))], lengths[frozenset((A, C))]
         base = local[B] - local[A]
         c = abs(base)
+        # Cosine law as a product of sum and difference, which keeps the digits that b^2 - a^2 would lose; the height by
+        # the triangle's area, which keeps those that a root of b^2 - x^2 would lose.
         x = (c + (b - a) * (b + a) / c) / 2
         y = twice_area(a, b, c) / c
         side = chosen(cross(at[B] - at[A], at[C] - at[A]) > 0, y, -y)
@@ -114,6 +116,7 @@ def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) 
     shown = {name: [point for point in bodies[name].local if point in at] for name in names}
     owner = next((name for name in names if len(shown[name]) > 1), None)
     if owner is not None:
+        # Orthogonal Procrustes problem in the plane: the turn is that of sum conj(s) z, both about their means.
         local, points = bodies[owner].local, shown[owner]
         own, drawn = (sum(place[point] for point in points) / len(points) for place in (local, at))
         return _unit(sum((local[point] - own).conjugate() * (at[point] - drawn) for point in points))

@@ -99,6 +99,8 @@ class Pass(Placing):
         """Return how two bars turn, each given with its arm to the inner pin."""
         closure, (one, p), (two, q) = self.k.closure[P], bar_1, bar_2
         w1, w2 = closing(self.foot_v(two, q) - self.foot_v(one, p), *closure)
+        # Both legs give the inner pin one acceleration: a_A + i alpha_1 p - w1^2 p = a_B + i alpha_2 q - w2^2 q, two
+        # real equations for alpha_1 and alpha_2.
         centripetal = (self.foot_a(two, q, w2) - w2**2 * q) - (self.foot_a(one, p, w1) - w1**2 * p)
         alpha_1, alpha_2 = closing(centripetal, *closure)
         return (w1, alpha_1), (w2, alpha_2)
@@ -108,6 +110,8 @@ class Pass(Placing):
         A, P, k = bar.A, dyad.P, self.k
         arm = self.bar(bar, P)
         C, t = self.guide_through(slider, P), self.k.direction(slider)
+        # From A to the guide's point C in guide axes: e.imag is the distance of A from the line, the bar's other side
+        # follows from its length, with the sign of the branch.
         e = (C[0] - k.z[A]) * t.conjugate()
         k.reach[P] = slide_reach(abs(arm), e.imag)
         k.to_lock[P] = abs(arm) - np.abs(e.imag)
@@ -150,6 +154,8 @@ class Pass(Placing):
         distance = np.abs(d)
         k.reach[name] = slide_reach(distance, h)
         k.to_lock[name] = distance - np.abs(h)
+        # w = d (sigma - i h) / |d|^2 is the guide's unit vector: d has the components sigma along and h across it. Its
+        # rate follows from the part of d' across the guide.
         sigma = dyad.branch * np.sqrt(k.reach[name])
         w = d * as_vectors(sigma, -h) / (distance * distance)
         k.closure[name] = Closure(1j * w, d, -sigma)

@@ -58,6 +58,8 @@ class Balance(Loading):
     def inner_pin(self, dyad: InnerPin) -> None:
         """Balance a dyad with an inner pin."""
         one, two = dyad.legs
+        # Each leg has one freedom about its outer joint. Virtual work on both freedoms gives the inner pin's force; the
+        # outer joints then hold what is left over of each leg.
         applied = [self.on_leg(leg, dyad.P) for leg in dyad.legs]
         Q1, Q2 = (self.on_freedom(leg, *load) for leg, load in zip(dyad.legs, applied, strict=True))
         R = self.pull(dyad, Q1, Q2)
@@ -83,6 +85,8 @@ class Balance(Loading):
         force_2, moment_2 = self.applied(two.body, two.A)
         g1, g2, det = self.k.closure[dyad.P]
         if isinstance(one, Pinned):
+            # The inner guide's force is normal to it. Two pinned legs, which turn together: N from the sum of moments
+            # about both feet. One leg on an outer guide: N from the force along that guide.
             n, N = g1, (moment_1 + moment_2) / -det
         else:  # the normal of the inner guide is square to it, what is left over goes along the outer guide's normal
             n, N = 1j * g2, dot(g1, force_1) / det
@@ -208,6 +212,7 @@ class Balance(Loading):
             return resultant(own, self.k.z[foot], samples(0j), samples(0.0))
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * (rigid.com - rigid.local[foot])
+        # d'Alembert: inertia force at the centre of mass, its moment about the foot, and the couple -I alpha.
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])
         moment = cross(r, force) - rigid.inertia * k.alpha[body]
         if self.scene.gravity is not None:

@@ -116,6 +116,8 @@ class Placing:
     def crossing(self, closure: Closure, on_1: str, C1: Plane, on_2: str, C2: Plane) -> Plane:
         """Return the point that runs along two guides through C1 and C2, each fixed to a placed body."""
         t1, t2, _ = closure
+        # C1 + s1 t1 = C2 + s2 t2, and the same once and twice differentiated: guides that turn add the rates of their
+        # points and Coriolis terms.
         s1, s2 = closing(C2[0] - C1[0], *closure)
         one, two = self.carried(on_1, C1, s1 * t1), self.carried(on_2, C2, s2 * t2)
         if not self.rates:

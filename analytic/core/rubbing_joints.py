@@ -47,6 +47,9 @@ class FrictionBalance(Balance):
         number = -1 if not isinstance(group, Dyad | Group) else self.linkage.groups.index(group)
         frictions = [one for one, first in self.due if first == number]
         if frictions:
+            # X0 and S of (1) in `friction` by superposition: the group is balanced once under all loads without its own
+            # friction, and once under each unit of friction alone; statics is linear in them. Only then is it balanced
+            # for good, with the frictions found.
             rubbing = [self.rubbing(one) for one in frictions]
             on = self.reactions
             kept = Reactions({**on.pin}, {**on.guide}, on.effort)
@@ -153,6 +156,8 @@ class FrictionBalance(Balance):
         """
         scene = self.scene
         channels, K = [one.channel(scene) for one in scene.friction], len(scene.friction)
+        # One row for all coefficients together, one for each alone. PARTS shares of each row are tried at once and the
+        # part with the first jam is kept, which gives more digits a round than bisection.
         cut = np.concatenate([np.ones((1, K)), np.eye(K)])  # all of them, or one
         low, high, parts = np.zeros(K + 1), np.ones(K + 1), np.linspace(0, 1, PARTS + 1)
         while (high - low).max() > CLOSE:

@@ -63,6 +63,9 @@ class BoundedBalance(RecordedBalance):
         The loads X differ from those of the solution by S times what (1) of `friction` is open by, and by the map's
         contraction of that difference.
         """
+        # The steps of the method are made with polynomials alone, without their rests: an iteration with bounds would
+        # only widen them. Where it ends may be anywhere; the residual of (1) there, with bounds, and the contraction
+        # then bound the distance to the solution (a posteriori error bound of Banach's theorem).
         w, _ = BoundedLoads(loads.rubbing, loads.X0, loads.S).solved()
         self.contracts(loads.contraction)
         slopes = [joint.slope() for joint in loads.rubbing]
@@ -96,6 +99,7 @@ class BoundedBalance(RecordedBalance):
 
 def continued(rough: Any, u: Any) -> Any:
     """The angle of a unit vector over whole turns, by what it is roughly; not known if that may be half a turn off."""
+    # The angle from the rough one: a division by zero is the recorded way of making a value unknown.
     turned = u * np.exp(-1j * rough)
     angle: Any = np.arctan2(turned.imag, turned.real)
     return rough + angle / chosen(np.abs(angle) < NEARLY_HALF, 1.0, 0.0)

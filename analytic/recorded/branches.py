@@ -45,6 +45,8 @@ def _thinned(track: Track, sketch: float) -> Track:
     """A branch with fewer poses, between which its parabolas still hold; that of the sketch is one of them."""
     kept = replace(track, step=COARSE * track.step)
     dropped = 1
+    # Every other pose is dropped where the parabola of the next one still reaches back over it, again and again, up to
+    # COARSE steps.
     while dropped:
         before, after = kept.rows(slice(None, -2, 2)), kept.rows(slice(2, None, 2))
         middle = kept.position[1:-1:2]
@@ -83,6 +85,8 @@ def _poses(
         traced(make, coordinate).x for coordinate in sketched_coordinates(program.scene, group, program.linkage.bodies)
     ]
     rows = values([*drawn, size_of, *closing.outer], np.array([start]), {})
+    # For all machines at once: the sketched pose by damped Newton from the sketch, then every pose of the drawn linkage
+    # as the guess for the machine's.
     size = rows[k]
     sketched = assemble(NewtonsMethod(closing).correction(rows[k + 1 :]), np.moveaxis(rows[:k], 0, -1), size)
 
@@ -92,6 +96,8 @@ def _poses(
     change = q[:, [row]] - sketched
     change[..., 2::3] = within_a_turn(change[..., 2::3])
     changed = length_of(np.diff(q - track.q, axis=1), size)
+    # A machine's branch is accepted outwards from the sketch, pose by pose, as long as its distance to the drawn branch
+    # changes little.
     near = changed <= MAX_CHANGE * length_of(np.diff(track.q, axis=0), track.equations.size) + ROUGHLY * size
     known = np.repeat(length_of(change, size) <= ROUGHLY * size, len(track.q), axis=1)
     known[:, row + 1 :] &= np.logical_and.accumulate(near[:, row:], axis=1)

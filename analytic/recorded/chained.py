@@ -113,6 +113,7 @@ def chained(
         rows = placed(q).open
         return rows, jacobian(make, rows, q)
 
+    # The closed forms give the start in the middles of boxes; their bounds would grow, their values do not.
     roughly: Any = Pass(scene, linkage, driven, rates=False).solve().k.z
     start = [part for dyad in two_bars(linkage) for part in (roughly[dyad.P].x, roughly[dyad.P].y)]
     sought = [make.input(f"{name} sought", sampled=True) for name in names]
@@ -155,6 +156,8 @@ def balanced(make: Recorder, scene: Scene, linkage: Linkage, given: Any, k: Kine
         return balance
 
     sought = [make.input(f"{P}.force.{xy} sought", sampled=True) for P in pins for xy in "xy"]
+    # The rows are affine in the forces sought: their derivatives are the matrix, their values at zero the right side.
+    # Solving once and passing once more through the balance gives all reactions.
     A = jacobian(make, [traced(make, row).x for row in solved(sought).open], sought)
     b = [make("negative", traced(make, row).x) for row in solved([zero] * len(sought)).open]
     system = make.system(A, b)

@@ -92,6 +92,7 @@ class Recorder:
 
     def __call__(self, operation: str, *operands: Expression) -> Expression:
         """Return an operation on expressions, in its simplest form."""
+        # Constants are folded, neutral elements dropped, signs moved outwards; x * 0 is 0, whatever x.
         known = [expression.of[0] if expression.operation == "constant" else None for expression in operands]
         if None not in known and operation not in BOUNDS:
             return self.constant(getattr(np, operation)(*known))
@@ -165,6 +166,8 @@ class Closing:
     @cached_property
     def outer(self) -> list[Expression]:
         """What the rows are of that the coordinates are not in."""
+        # What the unknowns enter is evaluated in each iteration; its operands that they do not enter are evaluated once
+        # and handed over.
         inner: set[int] = {coordinate.order for coordinate in self.coordinates}
         outer: dict[int, Expression] = {}
         for expression in needed([*self.C, *self.J]):
@@ -214,12 +217,11 @@ def forward(
 
 def jacobian(make: Recorder, rows: Sequence[Expression], variables: Sequence[Expression]) -> list[Expression]:
     """Return the derivatives of expressions by some of what they are made of, row by row; most of them are zero."""
-    zero, known = (
-        make.constant(0.0),
-        {variable.order: {column: make.constant(1.0)} for column, variable in enumerate(variables)},
-    )
+    zero = make.constant(0.0)
+    known = {variable.order: {column: make.constant(1.0)} for column, variable in enumerate(variables)}
     d = dict(known)
     for expression in needed(rows, known):
+        # Sparse forward mode for many variables: each node keeps the derivatives that are not zero by column.
         rates = [d.get(operand.order, {}) for operand in expression.operands]
         if expression.order not in d and any(rates):
             changes = ((x, _rule(make, expression, [rate.get(x, zero) for rate in rates])) for x in {*chain(*rates)})

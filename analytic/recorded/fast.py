@@ -103,6 +103,8 @@ class FastSolver(Solver):
             return None
         if self._way is not None and not (self._way[0] <= position.min() and position.max() <= self._way[1]):
             return None
+        # One array for all: the line's rows with the reach last, then instants and positions, which are also inputs;
+        # channels are views of it.
         rows = np.empty((len(code) + 2, 1, len(position)))
         reach, instants, positions = rows[-3:, 0]
         positions[:] = position

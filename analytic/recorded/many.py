@@ -195,6 +195,7 @@ class ManySolver:
             filled[:, stopped] = np.nan
         channels = {name: np.full(shape, np.nan) for name in by_core}
         channels |= zip(self.program.channels, filled, strict=False)
+        # One sum finds any value that is not finite in a machine's rows.
         fine = ~stopped.any(axis=1) & np.isfinite(filled.sum(axis=(0, 2)))
         for row in range(shape[0]) if by_core else np.flatnonzero(~fine).tolist():
             if (machine := rows.start + row) not in self.failed:

@@ -57,6 +57,9 @@ def near_meeting(
         rows = slice(begin, begin + MAX_TOGETHER)
         of_some = known | {path: values[rows] for path, values in numbers.items()}
         reach = np.asarray(line({**of_some, **inputs_at(driven, tracks[rows])}))  # shape (dyads, m, n)
+        # The reach is the square of a distance near a meeting, hence a parabola with its zero there: between two
+        # samples the lower is at most half of the larger neighbour's. A screen only: what passes is looked at by the
+        # core.
         before, here, after = reach[..., :-2], reach[..., 1:-1], reach[..., 2:]
         larger = np.maximum(before, after)
         lowest = (here >= -ZERO_TOL * larger) & (here <= before) & (here <= after) & (2 * here <= larger)

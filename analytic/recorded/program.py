@@ -184,6 +184,7 @@ class RecordedPass(Pass):
         dq = forward(make, q, self.by_time)
         ddq = forward(make, dq, self.by_time)
         k.jacobian[group.P] = closing.at_zero[1]  # type: ignore[assignment]
+        # q <= q is false for NaN: the recorded test of whether Newton's method closed the group.
         a_number: Any = Traced(make, make("less_equal", q[0], q[0]))
         k.reach[group.P] = chosen(a_number, 1.0, -1.0)
         for b, body in enumerate(group.bodies):
@@ -222,5 +223,6 @@ class RecordedPass(Pass):
             driven = [((u[on] * np.exp(1j * self.driven.position)).conjugate() * u[body]).imag]
         others = (traced(self.make, x).x for x in (*offsets, *turns, *driven))
         C = [*(gap.x for gap in gaps), *(gap.y for gap in gaps), *others]
+        # The Jacobian is differentiated from the constraints rather than written down a second time.
         columns = [forward(self.make, C, {one: self.make.constant(1.0)}) for one in q]
         return C, [entry for row in zip(*columns, strict=True) for entry in row]

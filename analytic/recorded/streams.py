@@ -84,6 +84,7 @@ class Integral:
     def take(self, rows: slice, position: Samples, samples: Samples) -> None:
         """Take a block, and the step to it from the block before."""
         positions = np.broadcast_to(position, samples.shape)
+        # Blocks are cut between samples: the trapezoid from the last sample of the block before belongs to this one.
         if self._last is not None and self._last[0] == rows:
             positions = np.concatenate([self._last[1], positions], axis=1)
             samples = np.concatenate([self._last[2], samples], axis=1)

@@ -59,6 +59,8 @@ class Traced(NDArrayOperatorsMixin):
         """The same: there is one precision."""
         return self
 
+    # NumPy's own dispatch records the core: its functions call these instead of computing, so that the formulas are
+    # written once. A function that is not in FUNCTIONS is a KeyError, never a silent wrong value.
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any) -> Any:
         """Take a place among the samples of a NumPy function."""
         assert method == "__call__"

@@ -117,6 +117,9 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     if scene.drive.slide is not None:
         return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
     forward = _march(first, placed, turn)
+    # Cases, in this order: the crank turns all round and comes back to the first pose; its branch spans less than a
+    # turn; it spans more, as a group that returns after two turns does, and only the part about the drive's way is
+    # used; else a Failure, as no one angle has one pose.
     turns = forward.position[-1] - start >= turn - SMALLEST * step
     if turns and comes_back(forward.q):
         return forward
@@ -156,6 +159,8 @@ def _begun(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
 
 def _march(first: Track, placed: PlacedAt, way: float) -> Track:
     """Return the poses from the first onwards, at most a step apart."""
+    # Coarse to fine: few long strides one after the other, then halves between them all at once. The short strides are
+    # the fallback where a long one has leapt to another branch.
     strides = _strides(first, placed, way, STRIDE * first.step)
     return _filled(strides, placed) or _strides(first, placed, way, first.step)
 
@@ -166,6 +171,8 @@ def _strides(first: Track, placed: PlacedAt, way: float, longest: float) -> Trac
     h = first.step
     while h >= smallest and (gone := abs(poses[-1].position[0] - first.position[0])) < abs(way) - smallest:
         h = min(h, abs(way) - gone)
+        # Predictor by the parabola, corrector by Newton's method. The error of a parabola is of third order: the stride
+        # that keeps it within SMOOTH of the move follows from the last one's.
         reached = poses[-1].moved(np.array([copysign(h, way)]), placed)
         off = float(reached.off_parabola(poses[-1])[0])
         if not off <= 1:

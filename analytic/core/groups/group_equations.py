@@ -120,6 +120,8 @@ class GroupEquations:
         (joints, frames), p = self.S.shape, self.pins
         offset, turned, moved = p + joints, p + joints + len(self.A), p + joints + len(self.A) + len(self.G)
         jacobian = np.zeros((*D.shape[:-1], moved, frames, 3))
+        # Columns by frame (x, y, angle): S for the translations, i R u for the turns. A slide's rows are those of D,
+        # seen in the guide's frame by conj(w); the guide's own turn takes D with it.
         turning = 1j * self.R * pose.u[..., None, :]
         jacobian[..., :p, :, 0] = jacobian[..., p : 2 * p, :, 1] = self.S[:p]
         jacobian[..., :p, :, 2], jacobian[..., p : 2 * p, :, 2] = turning.real[..., :p, :], turning.imag[..., :p, :]

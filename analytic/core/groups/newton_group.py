@@ -88,6 +88,8 @@ def least_singular_value(equations: GroupEquations, J: Samples) -> Samples:
     Moves and differences of angles count as those of the group's longest arm, so that all entries are arms. Near a
     singular pose it falls as the root of the drive's way to there.
     """
+    # Rows in m by the group's longest arm, columns in moves of that arm: the singular values are lengths, and do not
+    # depend on units.
     lengths = equations.pins + len(equations.S)
     rows = np.repeat([1.0, equations.size, 1.0], [lengths, len(equations.A), len(equations.G)])
     arms = J * rows[:, None] * (equations.size / equations.arms)
