@@ -70,8 +70,10 @@ class AnalyticSimulation:
         self._motion = self._evaluated(self._solver)
 
     def _evaluated(self, solver: Solver) -> Motion:
-        commanded = self._request.commanded(solver.scene).astype(np.float32 if self._settings.single else np.float64)
-        return solver(commanded, self._request.times(solver.scene))
+        inputs = self._request.inputs(solver.scene)
+        if self._settings.single:
+            return solver(inputs.driven().position.astype(np.float32), inputs.time)
+        return solver(inputs)
 
     def read(self) -> Motion:
         """Return the channels, whatever precision they were found in, as doubles."""

@@ -78,9 +78,9 @@ def solve(
     if (inputs is None) == (position is None and time is None):
         raise InputError("solve: expected either inputs, or position, time or both")
     if inputs is not None:
-        return core.at(inputs)
+        return core(inputs)
     if position is None:
-        position = inputs_of(scene, finite_numbers("time", time)).driven().position
+        return core(inputs_of(scene, finite_numbers("time", time)))
     return core(position, time)
 
 
@@ -117,18 +117,16 @@ class Solver:
     windings: Mapping[str, Winding] = field(default_factory=dict)  # by input, where forces are wanted
     as_sketched: bool = True  # whether its assembly is the one that the sketch picks
 
-    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
-        """Solve as `solve` does, with what it returns and raises.
+    def __call__(self, position: ArrayLike | Inputs, time: ArrayLike | None = None) -> Motion:
+        """Solve at positions, and instants or none, or at inputs; with what `solve` returns and raises.
 
         Where the positions are an array in single precision, so is all that is computed.
         """
+        if isinstance(position, Inputs):
+            return self._at(position.checked(self.scene))
         single = self.at_hand is None and isinstance(position, np.ndarray) and position.dtype == np.float32
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         return self._at(passing(self.scene, position, time), single=single)
-
-    def at(self, inputs: Inputs) -> Motion:
-        """Solve at inputs, with what `solve` returns and raises."""
-        return self._at(inputs.checked(self.scene))
 
     def _at(self, inputs: Inputs, *, single: bool = False) -> Motion:
         time, driven = inputs.time, inputs.driven()
@@ -152,7 +150,9 @@ class Solver:
     def _is_recorded(self, driven: Driven) -> bool:
         """Whether the recorded line, in which a constant speed is the scene's own, is of such rates."""
         law = self.scene.drive.law
-        return not isinstance(law, ConstantSpeed) or (driven.rate.ndim == 0 and driven.rate == law.speed)
+        if not isinstance(law, ConstantSpeed):
+            return True
+        return bool((driven.rate == law.speed).all() and not driven.acceleration.any())
 
     def _by_line(self, driven: Driven, time: Samples) -> dict[str, Samples] | None:
         """The channels by the recorded line; None where it does not reach, or not all can be had from it."""

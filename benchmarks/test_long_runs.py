@@ -13,6 +13,7 @@ from compare.judge.measure import Measurement, measure
 from compare.mechanics.reference import Reference
 from compare.mechanics.scales import relative_errors
 from scenes import Sampling
+from scenes.model.inputs import passing
 
 TURNS = (1, 100, 1000, 10_000)
 STEPS, SAMPLES = 72, 8
@@ -28,7 +29,7 @@ def test_the_reference_is_flat(reference: Reference) -> None:
     scene, turns = reference.scene, TURNS[-1]
     position = Sampling(360, turns).commanded(scene)[-361:]
     reduced = np.array([float(_reduced(angle)) for angle in position])
-    late, early = (reference.at(angles, np.zeros(361)) for angles in (position, reduced))
+    late, early = (reference.at(passing(scene, angles, np.zeros(361))) for angles in (position, reduced))
     errors = relative_errors(scene.channels, late, early, reference.scale)
     worst = max(float(error.max()) for channel, error in errors.items() if channel != "crank_angle")
     print(f"\nanalytic: {worst:.1e} between turn {turns} and the first")

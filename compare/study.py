@@ -41,7 +41,7 @@ class Study(Judgement):
     @classmethod
     def of(cls, judged: Judgement, speed: Sequence[SpeedRow] = ()) -> Self:
         """A judgement with the reference's motion, what was measured of settings, and what follows from that."""
-        motion = judged.reference.at(judged.sampling.commanded(judged.scene), judged.sampling.times(judged.scene))
+        motion = judged.reference.at(judged.sampling.inputs(judged.scene))
         known = {field.name: getattr(judged, field.name) for field in fields(Judgement)}
         return cls(
             **known,

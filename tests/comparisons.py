@@ -69,7 +69,7 @@ def studied(scene: Scene, engines: Sequence[str] = ("analytic",), sampling: Samp
 
 def commanded(reference: Reference, sampling: Sampling = SAMPLING) -> Motion:
     """Return what the reference says an engine should."""
-    return reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+    return reference.at(sampling.inputs(reference.scene))
 
 
 def of_scene(reference: Reference, scene: Scene) -> Reference:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Failure, InputError, Motion, Scene, Status
+from scenes.model.inputs import Inputs
 from scenes.model.lookup import Rows
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
@@ -89,7 +90,7 @@ def machine_line(scene: Scene, channels: frozenset[str] | None, samples: int) ->
 class FastSolver(Solver):
     """One topology, prepared for many calls, of many machines too."""
 
-    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
+    def __call__(self, position: ArrayLike | Inputs, time: ArrayLike | None = None) -> Motion:
         """Solve as `Solver` does; few positions at a constant speed by machine code without a detour."""
         if time is None and type(position) is np.ndarray and 0 < position.size <= CHUNK:
             return self._at_once(position) or super().__call__(position)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, InputError, Motion, Scene, Settings, Status
+from scenes import Engine, InputError, Inputs, Motion, Scene, Settings, Status
 from scenes.errors import nearest
 from scenes.model.enclosures import Assemblies, Enclosures, MotionRange, SketchFit
 from scenes.model.engine import completed
@@ -14,7 +14,7 @@ from . import outside
 from .outside import Entry as Entry
 from .processes.inside import Ended
 
-Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
+Solve: TypeAlias = Callable[[Inputs], Motion]
 ByName: TypeAlias = Mapping[str, Samples]  # of channels, or of numbers of the scene file by their paths
 
 
@@ -101,7 +101,7 @@ def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:
 
 def motion(scene: Scene, request: Request, channels: frozenset[str] | None = None) -> Motion:
     """Return the motion that `reference` has at the instants of a request."""
-    return reference(scene, channels)(request.commanded(scene), request.times(scene))
+    return reference(scene, channels)(request.inputs(scene))
 
 
 def _of_core(name: str) -> Callable[..., Any]:

@@ -129,9 +129,9 @@ class Judgement:
         """The scene's limits, held against that, and against the samples of the reference and of all that is ok."""
         if not self.scene.limits:
             return []
-        scale, there = self.reference.scale, (self.sampling.commanded(self.scene), self.sampling.times(self.scene))
+        scale, true = self.reference.scale, self.reference.at(self.sampling.inputs(self.scene))
         floor = max([MIN_FLOOR, *self.reference.floor.by_channel.values()])
-        runs = [SampledRun(_name(self), self.reference.at(*there), floor, scale)]
+        runs = [SampledRun(_name(self), true, floor, scale)]
         for m in self.measurements:
             if m.run.status is Status.ok and m.run.engine != REFERENCE and m.run.motion and m.run.settings:
                 bound = max(m.run.settings.promise, m.largest)  # which round-off may take beyond what is promised

@@ -209,8 +209,8 @@ def _rounded(
     largest of its own and of both neighbours'.
     """
     moved: dict[str, Samples] = {}
-    for other, (position, time) in zip(mechanics.perturbed, mechanics.rounded_drive(motion), strict=True):
-        rounded = Motion({**motion.samples, mechanics.scene.drive_channel: position, "time": time})
+    for other, drive in zip(mechanics.perturbed, mechanics.rounded_drive(motion), strict=True):
+        rounded = Motion({**motion.samples, **drive.samples})
         projection = projected(other, rounded, ends)
         neighbour = Motion({**projection.closed.samples, **projection.forces})
         for channel, error in relative_errors(mechanics.scene.channels, neighbour, true, scale).items():

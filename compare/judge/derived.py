@@ -10,8 +10,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from scenes import Motion
-from scenes.model.motion import Samples
+from scenes import Inputs, Motion
 
 from ..engines import registry
 from ..engines.registry import Solve
@@ -38,10 +37,10 @@ def with_derived(reference: Reference, given: Collection[str]) -> Reference:
     channels = reference.scene.channels
     parts = {name: both for name, both in channels.magnitudes.items() if name in names}
     likes = {name: parts[name][0] if name in parts else "" for name in names}  # a channel that it is judged as
-    known, mechanics = reference.mechanics, copy(reference.mechanics)
+    known = reference.mechanics
+    neighbours, mechanics = known.neighbours, copy(known)
     mechanics.units = known.units | {name: channels[name].unit for name in names}
     mechanics.groups = known.groups | {name: channels[name].group for name in names}
-    neighbours = known.neighbours
     if neighbours and len(parts) < len(names):  # which solve the channels of engines, no angles
         neighbours = tuple(registry.reference(other.scene) for other in known.perturbed)
     # A copy of the mechanics whose cached neighbours also return what is derived, so that round-off explains it as any
@@ -53,8 +52,8 @@ def with_derived(reference: Reference, given: Collection[str]) -> Reference:
 
 
 def _solver(solve: Solve, parts: Parts) -> Solve:
-    def extended(position: Samples, time: Samples) -> Motion:
-        return _extended(solve(position, time), parts)
+    def extended(inputs: Inputs) -> Motion:
+        return _extended(solve(inputs), parts)
 
     return extended
 

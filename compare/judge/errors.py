@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
+from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
@@ -63,18 +64,17 @@ class Comparison:
 def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
     """One engine's motion against the reference at its own instants; a `Failure` where its drive has no reference."""
     scene = reference.scene
-    position = sampling.commanded(scene)
-    commanded = reference.at(position, sampling.times(scene))
+    commanded, position = reference.at(sampling.inputs(scene)), scene.channels.drive.position
     slope = _slope(reference, commanded)
-    actual = reference.at(motion[scene.drive_channel], motion["time"])
+    actual = reference.at(inputs_in(scene, motion))
     # Errors twice, at the commanded and at the actual position of the drive: their difference is what the drive's lag
     # does. On a press force's switch both have the same choice.
     may = reference.acts(commanded, actual)  # a drive that lags must not decide on which side of a switch it is
     by_command, errors = (reference.errors(motion, true, may) for true in (commanded, actual))
     return Comparison(
-        errors | {scene.drive_channel: by_command[scene.drive_channel]},
+        errors | {position: by_command[position]},
         by_command,
-        position,
+        commanded[position],
         reference.mechanics.axis.of(commanded),
         slope < TOGGLE_WINDOW * slope.max(),
         commanded["time"] >= commanded["time"][-1] - (1 + INSTANT_TOL) * scene.cycle,
@@ -85,10 +85,9 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
     """|dx/dq| of the output point over the drive's position q, but for a constant factor: its speed at a steady one."""
     scene = reference.scene
     if not scene.steady:  # a law's rests are no toggles
-        steady = ConstantSpeed(1.0, *scene.drive.law.extent)
+        steady = scene.with_law(ConstantSpeed(1.0, *scene.drive.law.extent))
         velocity = frozenset(scene.channels.points[scene.output].velocity)
-        steadily = registry.reference(scene.with_law(steady), velocity)
-        motion = steadily(motion[scene.drive_channel], motion["time"])
+        motion = registry.reference(steady, velocity)(inputs_in(steady, motion))
     return np.hypot(*(motion[name] for name in scene.channels.points[scene.output].velocity))
 
 

@@ -80,7 +80,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     check_sketch(reference)
     sampling = Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
-    answer = reference.at(sampling.commanded(scene), sampling.times(scene))
+    answer = reference.at(sampling.inputs(scene))
     settings = registry.engine(registry.REFERENCE).DEFAULT
     both = (
         Run(registry.REFERENCE, settings, Status.ok, motion=answer.prompt),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from scenes import Failure, Instants, Motion, Settings, Status
-from scenes.model.inputs import inputs_of
+from scenes.model.inputs import inputs_of, passing
 from scenes.model.motion import Samples
 
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
@@ -46,7 +46,7 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
         run = replace(run, motion=Motion({**run.motion.samples, drive: placed}))
         halves = {channel: half for channel, half in halves.items() if channel != drive}
     try:
-        true = reference.at(request.commanded(reference.scene), request.times(reference.scene))
+        true = reference.at(request.inputs(reference.scene))
         explained = _explained_by_decimals(reference, request, halves, true)
     except Failure:  # which is named when it is compared
         return assess(reference, request, run, Explained(np.empty(0), {}))
@@ -103,11 +103,13 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
 
 def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, Samples]:
     """How far each channel moves while the instants are off as written, relative, shape (n,)."""
-    position, moved = np.abs(inputs_of(reference.scene, true["time"]).driven().rate) * time, dict[str, Samples]()
+    scene, moved = reference.scene, dict[str, Samples]()
+    position = np.abs(inputs_of(scene, true["time"]).driven().rate) * time
     for sign in (1, -1) if position.any() else ():
         with suppress(Failure):  # beyond the end of the drive
-            other = reference.at(true[reference.scene.drive_channel] + sign * position, true["time"] + sign * time)
-            for channel, error in relative_errors(reference.scene.channels, other, true, reference.scale).items():
+            there = true[scene.channels.drive.position] + sign * position
+            other = reference.at(passing(scene, there, true["time"] + sign * time))
+            for channel, error in relative_errors(scene.channels, other, true, reference.scale).items():
                 moved[channel] = np.maximum(moved.get(channel, 0.0), error)
     return moved
 

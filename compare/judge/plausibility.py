@@ -115,7 +115,7 @@ def helping_tables(reference: Reference) -> Iterator[str]:
             continue
         asked = Sampling(STEPS, cycles_of(scene, load))
         try:
-            motion = reference.at(asked.commanded(scene), asked.times(scene))
+            motion = reference.at(asked.inputs(scene))
         except Failure:
             continue
         state = MotionVectors(scene, motion)

@@ -24,6 +24,7 @@ import numpy as np
 
 from scenes import Failure, Scene, Status
 from scenes.model.enclosures import Assembly, SketchFit
+from scenes.model.inputs import passing
 
 from ..engines import registry
 from ..mechanics.bodies import distances
@@ -123,7 +124,7 @@ def _posed(reference: Reference) -> Places:
     """Where the reference has the sketched points where the sketch has the drive; nothing where it has no pose."""
     sketch = reference.scene.sketch
     try:
-        motion = reference.at(np.array([sketch.drive]), np.array([0.0]))
+        motion = reference.at(passing(reference.scene, [sketch.drive], [0.0]))
     except Failure:
         return {}
     return {point: complex(motion[f"{point}.x"][0], motion[f"{point}.y"][0]) for point in sketch.points}

@@ -28,7 +28,7 @@ from scenes.elements.loads import (
 )
 from scenes.elements.springs import Damper, PointPair, Spring, TorsionSpring
 from scenes.elements.tables import LoadCurve
-from scenes.model.inputs import inputs_of
+from scenes.model.inputs import inputs_of, passing
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
@@ -183,7 +183,7 @@ def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     """Positions of the drive over one cycle, increasing, and the angles there, from - pi to pi at time zero."""
     places, signs = np.linspace(*scene.drive.law.extent, STEPS + 1), {spring.second: 1, spring.first: -1}
     names = {scene.channels.bodies[body].angle: sign for body, sign in signs.items() if body in scene.turning}
-    motion = registry.reference(scene, frozenset(names))(places, np.zeros_like(places))
+    motion = registry.reference(scene, frozenset(names))(passing(scene, places, np.zeros_like(places)))
     turning = (sign * motion[name] for name, sign in names.items())
     # Samples are dense enough that no angle moves by half a turn between two. The start is put within (-pi, pi].
     angles = np.unwrap(sum(turning, np.zeros_like(places)))

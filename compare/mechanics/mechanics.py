@@ -8,7 +8,6 @@ import numpy as np
 from scenes import Failure, Motion, Scene
 from scenes.channels import Role
 from scenes.fields import Number, put
-from scenes.model.motion import Samples
 
 from ..engines import registry
 from .axis import axis
@@ -85,16 +84,17 @@ class Mechanics:
         except Failure:
             return ()
 
-    def rounded_drive(self, motion: Motion) -> Iterator[tuple[Samples, Samples]]:
-        """Yield positions of the drive and instants a few last places off a motion's, for each perturbed scene.
+    def rounded_drive(self, motion: Motion) -> Iterator[Motion]:
+        """Yield the drive and the instants a few last places off a motion's, for each perturbed scene.
 
         A position that passes through zero is no better known there than where it is a thousandth of its range.
         """
-        position, time = motion[self.scene.drive_channel], motion["time"]
+        drive = self.scene.channels.drive.position
+        position, time = motion[drive], motion["time"]
         off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * max(drive.span for drive in self.scene.drives))
         for number in range(DRAWS):
             sign = (-1) ** number
-            yield position + sign * off, time * (1 + sign * ULPS * EPS)
+            yield Motion({drive: position + sign * off, "time": time * (1 + sign * ULPS * EPS)})
 
 
 def inputs(scene: Scene) -> Iterator[Number]:

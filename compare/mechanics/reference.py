@@ -13,8 +13,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InputError, Motion, Sampling, Scene
+from scenes import InputError, Inputs, Motion, Sampling, Scene
 from scenes.elements.loads import Load
+from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 from scenes.scene import PressForce
 
@@ -46,7 +47,7 @@ class Reference:
     """The reference for one scene."""
 
     mechanics: Mechanics
-    at: registry.Solve  # the motion at positions of the drive and instants: every channel
+    at: registry.Solve  # the motion at inputs: every channel
     stroke: float  # m, of the output point
     travel: Mapping[str, float]  # m, of each moving point, see `travels`
     scale: Mapping[str, float]  # by channel, what errors are divided by
@@ -81,7 +82,7 @@ class Reference:
             return true
         there = Motion({channel: motion[channel][rows] for channel in judged})
         now = {channel: true[channel][rows] for channel in forces}
-        position, time = true[self.scene.drive_channel][rows], true["time"][rows]
+        time = true["time"][rows]
 
         def off(side: Mapping[str, Samples]) -> Samples:
             other = Motion({"time": time, **side})
@@ -90,7 +91,7 @@ class Reference:
         def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
             other = np.empty((len(forces), rows.size))
             for scene, some in fixed(self.scene, acting):
-                standing = registry.reference(scene, frozenset(forces))(position[some], time[some])
+                standing = registry.reference(scene, frozenset(forces))(inputs_in(scene, true, rows[some]))
                 other[:, some] = [standing[channel] for channel in forces]
             side = dict(zip(forces, other, strict=True))
             return off(side), side
@@ -108,17 +109,28 @@ class Remembering:
 
     def __init__(self, solve: registry.Solve) -> None:
         self.solve = solve
-        self._once = lru_cache(REMEMBERED)(lambda *of: solve(*map(np.frombuffer, of)))
+        self._once = lru_cache(REMEMBERED)(_of_bytes(solve))
 
-    def __call__(self, position: Samples, time: Samples) -> Motion:
-        """The motion at positions of the drive and instants."""
-        if len(position) > FEW:
-            return self.solve(position, time)
-        return self._once(*(np.asarray(of, np.float64).tobytes() for of in (position, time)))
+    def __call__(self, inputs: Inputs) -> Motion:
+        """The motion at inputs."""
+        if len(inputs.time) > FEW:
+            return self.solve(inputs)
+        arrays = (np.asarray(array, np.float64) for array in (inputs.time, *inputs.derivatives))
+        return self._once(*((array.shape, array.tobytes()) for array in arrays))
 
     def __reduce__(self) -> tuple[type["Remembering"], tuple[registry.Solve]]:
         """Have what it remembers stay in this process."""
         return Remembering, (self.solve,)
+
+
+def _of_bytes(solve: registry.Solve) -> Callable[..., Motion]:
+    """The same of the shapes and the bytes of the arrays of inputs, which can be compared as they are."""
+
+    def solved(*packed: tuple[tuple[int, ...], bytes]) -> Motion:
+        time, *derivatives = (np.frombuffer(content).reshape(shape) for shape, content in packed)
+        return solve(Inputs(time, derivatives))
+
+    return solved
 
 
 def uncertified(scene: Scene) -> Reference:
@@ -131,7 +143,7 @@ def uncertified(scene: Scene) -> Reference:
     mechanics, sampling = Mechanics(scene), Sampling(SCALE_SAMPLES)
     solve = registry.reference(scene)
     registry.check_way(solve)
-    motion = solve(sampling.commanded(scene), sampling.times(scene))
+    motion = solve(sampling.inputs(scene))
     output, travel = scene.output, travels(scene, motion)
     x, y = scene.channels.points[output].place
     stroke = abs(chord(motion[x] + 1j * motion[y]))

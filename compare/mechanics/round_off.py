@@ -15,6 +15,7 @@ from functools import cached_property, reduce
 import numpy as np
 
 from scenes import Failure, Motion, Rows
+from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 
 from .elements import magnitudes
@@ -79,7 +80,7 @@ class Explained:
 def explain(reference: Reference, sampling: Rows) -> Explained:
     """What is explained at the samples of a run, as commanded; a `Failure` where the reference has no motion there."""
     scene, mechanics = reference.scene, reference.mechanics
-    true = reference.at(sampling.commanded(scene), sampling.times(scene))
+    true = reference.at(sampling.inputs(scene))
     moved = _sensitivity(reference, true)
     # Places far off the origin are rounded by their own size, not the linkage's: the condition counts that many times.
     known = mechanics.constraints.condition(true) * off_origin(mechanics, true)
@@ -117,5 +118,6 @@ def _sensitivity(reference: Reference, true: Motion) -> dict[str, Samples]:
 
 def perturbed(mechanics: Mechanics, true: Motion) -> Iterator[Motion]:
     """Yield the motions of the perturbed scenes beside one; none where one of them cannot be solved."""
-    for solve, drive in zip(mechanics.neighbours, mechanics.rounded_drive(true), strict=False):
-        yield solve(*drive)
+    others = zip(mechanics.neighbours, mechanics.perturbed, mechanics.rounded_drive(true), strict=False)
+    for solve, other, drive in others:
+        yield solve(inputs_in(other.scene, drive))

@@ -53,7 +53,7 @@ def proposed(scene: Scene, text: str) -> str:
         raise InputError(f"{scene.file}: {failure.reason}") from None
     rest = [k for k, name in enumerate(names) if name != axis.column]
     time = axis.time + axis.lag
-    true = solve(inputs_of(scene, time).driven().position, time).samples
+    true = solve(inputs_of(scene, time)).samples
     turn = _turn(scene.channels, true, columns[rest])
     # Eight frames are tried: four right angles from the one that vectors show (`_turn`), each plain and mirrored. A
     # frame is charged PRICE_OF_FRAME, and the scene's own is taken wherever it fits as well as the best.
@@ -139,7 +139,7 @@ def _nearest(scene: Scene, solve: Solve, names: Sequence[str], columns: NDArray[
     def left(axis: Axis, lag: float) -> Samples:
         """Return the shares of the squares of columns that the channels leave."""
         try:
-            true = solve(inputs_of(scene, axis.time + lag).driven().position, axis.time + lag).samples
+            true = solve(inputs_of(scene, axis.time + lag)).samples
         except Failure:
             return np.ones(len(names))
         leaves, known = [np.ones(len(names))], {c: true[c] for c in scene.channels.names(*MAPPED)}

@@ -177,8 +177,7 @@ def _readable(scene: Scene, columns: Iterable[str]) -> tuple[str, ...]:
     angles = [column for column in columns if column.partition(" [")[0].endswith(TRANSMISSION)]
     if angles:  # the reference knows at which joints they are
         with suppress(Failure):
-            time = np.zeros(1)
-            found = registry.reference(scene)(inputs_of(scene, time).driven().position, time)
+            found = registry.reference(scene)(inputs_of(scene, np.zeros(1)))
             angles = [name for name in found.samples if scene.channels[name].quantity == TRANSMISSION]
     return (*scene.channels.names(), *scene.channels.names(Role.magnitude), *scene.channels.names(Role.given), *angles)
 

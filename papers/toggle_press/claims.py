@@ -10,6 +10,7 @@ from compare.mechanics.motion_vectors import MotionVectors
 from compare.report.figures.figure import Figure, draw, stacked
 from compare.report.figures.style import DASHES, GREY, colour, layout, marker
 from scenes import load
+from scenes.model.inputs import passing
 from scenes.model.motion import Samples
 
 from ..claims import UNDECIDED, Claim, comparison, judge, number, span
@@ -75,7 +76,7 @@ def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
 def _off_lines() -> tuple[float, float]:
     """How far P3 or P4 is off the y axis, and P2 off the line P1-P3, where the slider is really lowest, mm."""
     scene = load("toggle_press")
-    motion = registry.reference(scene)(np.array([lowest(scene)]), np.zeros(1))
+    motion = registry.reference(scene)(passing(scene, [lowest(scene)], [0.0]))
     p1 = complex(*scene.ground["P1"])
     p2, p3 = (MotionVectors(scene, motion).point(point)[0][0] for point in ("P2", "P3"))
     axis = max(abs(motion[f"{point}.x"][0]) for point in ("P3", "P4"))

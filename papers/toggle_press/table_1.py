@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 
 from compare.engines import registry
 from scenes import Sampling, Scene, load
+from scenes.model.inputs import passing
 from scenes.model.motion import Samples
 
 from ..claims import Claim, comparison, joined, limit, number, span
@@ -74,7 +75,8 @@ def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
     scene = load(name, changes or {})
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
-    motion = solve(lowest(scene) + STEP * np.arange(TURN.samples, dtype=float), TURN.times(scene)[:-1])
+    turn = lowest(scene) + STEP * np.arange(TURN.samples, dtype=float)
+    motion = solve(passing(scene, turn, TURN.times(scene)[:-1]))
     # Rates by the crank's angle, vy / w, do not depend on the strokes a minute, which are not given. The side before
     # the lowest point is read backwards with negative rows: sample -k is k steps before, as the turn is periodic.
     height, rate = motion[y] - motion[y][0], np.abs(motion[vy]) / scene.pace
@@ -92,7 +94,7 @@ def lowest(scene: Scene) -> float:
     coarse = registry.motion(scene, TURN, frozenset((y, vy)))
     near = 1 + int(coarse[y][1:-1].argmin())
     around = coarse["crank_angle"][[near - 1, near + 1]]
-    return float(brentq(lambda angle: solve(np.array([angle]), np.zeros(1))[vy][0], *around, xtol=1e-13))
+    return float(brentq(lambda angle: solve(passing(scene, [angle], [0.0]))[vy][0], *around, xtol=1e-13))
 
 
 def rounded() -> list[Press]:

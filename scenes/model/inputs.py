@@ -6,7 +6,7 @@ at its constant speed, or whoever solves a scene from Python.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,7 @@ from ..laws import derivatives
 
 if TYPE_CHECKING:
     from ..scene import Scene
+    from .motion import Motion
 
 NEEDED = 3  # orders: position, rate and acceleration
 
@@ -42,12 +43,19 @@ class Inputs:
 
     def checked(self, scene: "Scene") -> "Inputs":
         """The same as arrays; InputError where they are not finite, of another shape, or of too few orders."""
-        time, orders = finite_numbers("inputs.time", self.time), finite_numbers("inputs.derivatives", self.derivatives)
-        expected = len(time) if time.ndim == 1 else -1, len(scene.drives)
-        if orders.ndim == 0 or len(orders) < NEEDED or orders.shape[1:] != expected:
+        time = finite_numbers("inputs.time", self.time)
+        given = self.derivatives if isinstance(self.derivatives, Sequence) else np.atleast_1d(self.derivatives)
+        orders = [finite_numbers("inputs.derivatives", order) for order in given]
+        count, drives, shapes = (
+            len(time) if time.ndim == 1 else -1,
+            len(scene.drives),
+            [order.shape for order in orders],
+        )
+        constant = {(count, drives), (drives,)}
+        if len(orders) < NEEDED or shapes[0] != (count, drives) or not constant.issuperset(shapes):
             raise InputError(
-                f"inputs: expected times (n,), and positions, rates and accelerations (3, n, {len(scene.drives)}) or"
-                f" more, found {time.shape} and {orders.shape}"
+                f"inputs: expected times (n,), and positions, rates and accelerations, each (n, {drives}), found"
+                f" {time.shape} and {', '.join(map(str, shapes))}"
             )
         return Inputs(time, orders)
 
@@ -81,3 +89,11 @@ def passing(scene: "Scene", position: ArrayLike, time: ArrayLike | None = None, 
         raise InputError("a drive that follows a law needs the instants")
     _, rate, acceleration = law.at(time)
     return Inputs(time, tuple(of[..., np.newaxis] for of in (position, rate, acceleration)))
+
+
+def inputs_in(scene: "Scene", motion: "Motion", rows: Any = ...) -> Inputs:
+    """The inputs that a motion has, at some of its samples or all: its own instants and positions of the drives.
+
+    Their rates and accelerations are by the laws at those instants.
+    """
+    return passing(scene, motion[scene.channels.drive.position][rows], motion["time"][rows])

@@ -12,6 +12,7 @@ from ..drive import ConstantSpeed
 from ..drive import Samples as Samples  # which most who read a motion name
 from ..errors import InputError, nearest
 from ..scene import Scene
+from .inputs import Inputs, inputs_of, passing
 from .lookup import Later
 
 if TYPE_CHECKING:
@@ -115,6 +116,10 @@ class Sampling(_Channels):
         """The positions that the drive commands at those instants, shape (n,), rad or m."""
         return scene.drive.law.after(self._cycles())
 
+    def inputs(self, scene: Scene) -> Inputs:
+        """The inputs at those instants: positions by parts of a cycle, which are the same in every turn."""
+        return passing(scene, self.commanded(scene), self.times(scene))
+
 
 @dataclass(frozen=True)
 class Positions(_Channels):
@@ -140,6 +145,10 @@ class Positions(_Channels):
         """The positions, shape (n,), rad or m."""
         return np.array(self.positions)
 
+    def inputs(self, scene: Scene) -> Inputs:
+        """The inputs at those positions; InputError where the drive follows a motion law."""
+        return passing(scene, self.commanded(scene), self.times(scene))
+
 
 @dataclass(frozen=True)
 class Instants(_Channels):
@@ -163,7 +172,11 @@ class Instants(_Channels):
 
     def commanded(self, scene: Scene) -> Samples:
         """The positions that the drive commands at those instants, shape (n,), rad or m."""
-        return scene.drive.law.at(self.times(scene)).position
+        return self.inputs(scene).driven().position
+
+    def inputs(self, scene: Scene) -> Inputs:
+        """The inputs by the laws of the drives at those instants."""
+        return inputs_of(scene, self.times(scene))
 
 
 Request: TypeAlias = Sampling | Positions  # of a model

@@ -72,13 +72,28 @@ def test_forces_of_a_slider_crank_by_hand() -> None:
 
 
 @pytest.mark.parametrize("compiled", [False, None])
-def test_a_prepared_line_of_a_constant_speed_is_not_taken_at_other_rates(compiled: bool | None) -> None:
-    """In it the speed is the scene's."""
+@pytest.mark.parametrize("steady", [False, True])
+def test_a_prepared_line_of_a_constant_speed_is_not_taken_at_other_rates(
+    compiled: bool | None, *, steady: bool
+) -> None:
+    """In it the speed is the scene's, and there is no acceleration; these have one at any rate, or at that speed."""
     scene = scene_files.load("slider_crank")
-    of_drive = inputs(*drawn(scene))
-    found = analytic.fast_solver(scene, compiled=compiled).at(of_drive)
+    q, dq, ddq = drawn(scene)
+    of_drive = inputs(q, np.full_like(q, scene.pace) if steady else dq, ddq)
+    found = analytic.fast_solver(scene, compiled=compiled)(of_drive)
     expected = analytic.solve(scene, inputs=of_drive)
     assert np.abs(found["drive.torque"] - expected["drive.torque"]).max() <= 1e-9
+
+
+def test_an_order_that_is_the_same_at_all_instants_is_given_once() -> None:
+    """As a sequence of arrays, of which a rate and an acceleration have one number a drive."""
+    scene = scene_files.load("slider_crank")
+    q, *_ = drawn(scene)
+    whole = analytic.solve(scene, inputs=inputs(q, np.full_like(q, 2.0), np.full_like(q, -3.0)))
+    once = Inputs(np.linspace(7, 9, len(q)), [q[:, np.newaxis], np.array([2.0]), np.array([-3.0])])
+    found = analytic.solve(scene, inputs=once)
+    for channel, expected in whole.samples.items():
+        assert np.abs(found[channel] - expected).max() <= ROUNDED * max(float(np.abs(expected).max()), 1e-9), channel
 
 
 def test_friction_where_a_drive_of_constant_speed_rests() -> None:
@@ -120,9 +135,10 @@ def test_instants_alone(kind: str) -> None:
     [
         ({}, "expected either inputs, or position, time or both"),
         ({"position": [0.1], "inputs": inputs([0.1], [1.0], [0.0])}, "expected either inputs"),
-        ({"inputs": Inputs(np.zeros(2), np.zeros((2, 2, 1)))}, "(3, n, 1)"),
-        ({"inputs": Inputs(np.zeros(2), np.zeros((3, 2, 2)))}, "(2,) and (3, 2, 2)"),
-        ({"inputs": Inputs(np.zeros(3), np.zeros((3, 2, 1)))}, "(3,) and (3, 2, 1)"),
+        ({"inputs": Inputs(np.zeros(2), np.zeros((2, 2, 1)))}, "each (n, 1)"),
+        ({"inputs": Inputs(np.zeros(2), np.zeros((3, 2, 2)))}, "(2,) and (2, 2), (2, 2), (2, 2)"),
+        ({"inputs": Inputs(np.zeros(2), [np.zeros(1)] * 3)}, "(2,) and (1,), (1,), (1,)"),
+        ({"inputs": Inputs(np.zeros(3), np.zeros((3, 2, 1)))}, "(3,) and (2, 1)"),
         ({"inputs": Inputs(np.zeros((2, 1)), np.zeros((3, 2, 1)))}, "(2, 1) and"),
         ({"inputs": Inputs(np.zeros(2), np.full((3, 2, 1), np.nan))}, "inputs.derivatives"),
         ({"time": ["now"]}, "time: expected"),

@@ -11,6 +11,7 @@ import scenes
 from compare.engines.registry import Solve
 from scenes import Sampling, Scene
 from scenes.channels import named
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import Slide
 from tests import absolute_coordinates, scene_files
@@ -47,7 +48,7 @@ def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     driven = scene.drive.law.at(time)
     expected = absolute_coordinates.solve(scene, *driven, time)
     assert set(expected) == set(scene.channels.names()) - {"time"}
-    return errors(solve(driven.position, time), expected)
+    return errors(solve(inputs_of(scene, time)), expected)
 
 
 @sampled(4)

@@ -225,7 +225,7 @@ def test_what_is_not_looked_up_yet_goes_to_another_process(asked_for: list[int])
 def test_a_larger_group_is_measured_once_a_run(asked_for: list[int]) -> None:
     """A report draws 361 of its samples, and its least is found from these; the cycle itself has 3601."""
     reference, sampling = uncertified(scenes.load("class_iii")), Sampling()
-    drawn = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+    drawn = reference.at(sampling.inputs(reference.scene))
     assert len(drawn["B.to_lock"]) == 361
     (lock,) = (peak for peak in peaks(reference, sampling, []) if peak.channel == "B.to_lock")
     around = 200  # of 360: the least and its neighbours in 3600, and three rounds of three at each of 14 extremes

@@ -62,7 +62,7 @@ def test_a_stopped_run_leaves_a_report(
 ) -> None:
     """The engine itself presses Ctrl-C, for the process that waits for it; that run is still finished."""
     scene = scenes.load("toggle_press")
-    motion = registry.reference(scene)(Sampling(72).commanded(scene), Sampling(72).times(scene))
+    motion = registry.reference(scene)(Sampling(72).inputs(scene))
 
     own = os.getpid()
 

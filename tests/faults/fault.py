@@ -58,7 +58,7 @@ class Clean:
     @cached_property
     def true(self) -> Motion:
         """What it should be."""
-        return self.reference.at(self.sampling.commanded(self.scene), self.sampling.times(self.scene))
+        return self.reference.at(self.sampling.inputs(self.scene))
 
     @property
     def promise(self) -> float:

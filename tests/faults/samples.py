@@ -13,6 +13,7 @@ from compare.judge.canaries import spoilt_motion as spoilt
 from compare.judge.causes.cause import Kind, common
 from scenes import Failure, Motion
 from scenes.channels import named
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
@@ -80,9 +81,8 @@ def _late_by_a_little(clean: Clean) -> Iterator[Fault]:
             instants = clean.sampling.times(scene) - sign * by
             if not scene.periodic:
                 instants = np.clip(instants, 0.0, scene.cycle)
-            position = scene.drive.law.at(instants).position
             try:
-                then = clean.reference.at(position, instants)
+                then = clean.reference.at(inputs_of(scene, instants))
             except Failure:
                 continue
             moved = partial(_moved, motion, clean.true, then)

@@ -26,6 +26,7 @@ from compare.mechanics.reference import uncertified
 from compare.mechanics.round_off import explain
 from scenes import Motion, Settings, Status, load
 from scenes.channels import named
+from scenes.model.inputs import passing
 
 from .catalogue import catalogue
 from .fault import Clean, Fault, above
@@ -78,7 +79,7 @@ def _called(name: str) -> set[str]:
     before = getprofile()
     setprofile(note)
     try:
-        registry.reference(scene)(SAMPLING.commanded(scene), SAMPLING.times(scene))
+        registry.reference(scene)(SAMPLING.inputs(scene))
     finally:
         setprofile(before)
     return called
@@ -129,7 +130,8 @@ def _judged(family: str, item: Item) -> Record | None:
     clean, fault = _clean(name), Fault(family, mutant.kind, 1.0, Kind.code, mutant.function)
     with applied(mutant):
         try:
-            wrong = registry.reference(clean.scene)(clean.sampling.commanded(clean.scene), clean.true["time"])
+            inputs = passing(clean.scene, clean.sampling.commanded(clean.scene), clean.true["time"])
+            wrong = registry.reference(clean.scene)(inputs)
         except Exception:
             wrong = Motion({})
         is_above = wrong.samples.keys() < clean.true.samples.keys() or above(fault, clean, wrong)

@@ -14,6 +14,7 @@ import numpy as np
 from scenes import Status
 from scenes.channels import Role
 from scenes.fields import put
+from scenes.model.inputs import inputs_in
 
 from ...engines import registry
 from ..agreement import Judgement
@@ -89,8 +90,8 @@ def _another_mass(copy: noticed.Thinned) -> bool:
     scene, forces = copy.scene, copy.scene.channels.names(Role.force, Role.friction)
     body = max(scene.bodies.values(), key=lambda body: (body.name not in scene.driven, body.mass or 0.0))
     heavier = put(scene, {("bodies", body.name): replace(body.weighed, mass=(body.mass or 0.0) + 1.0)})
-    position, time = copy.motion[scene.drive_channel], copy.motion["time"]
-    right, wrong = (registry.reference(variant, frozenset(forces))(position, time) for variant in (scene, heavier))
+    inputs = inputs_in(scene, copy.motion)
+    right, wrong = (registry.reference(variant, frozenset(forces))(inputs) for variant in (scene, heavier))
     amounts = copy.amounts()
     most = max(float((np.abs(wrong[c] - right[c]) / amounts[c]).max()) for c in forces)
     if not most > 0:  # it moves evenly: no force depends on its mass

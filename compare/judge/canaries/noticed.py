@@ -10,6 +10,7 @@ import numpy as np
 from scenes import Failure, Motion, Sampling, Status
 from scenes.channels import Role
 from scenes.drive import Drive
+from scenes.model.inputs import Inputs
 from scenes.model.motion import Samples
 
 from ...engines.runner import Run, complete
@@ -54,7 +55,7 @@ class Thinned:
         self.reference, self.scene, self.settings = reference, reference.scene, run.settings
         asked = replace(sampling, samples=count // every, turns=1)
         self.sampling, self.run = asked, replace(run, motion=self.motion)
-        self.true = reference.at(asked.commanded(self.scene), asked.times(self.scene))  # what it should be
+        self.true = reference.at(asked.inputs(self.scene))  # what it should be
         self.drive = self.scene.drive_channel
         # Where all channels are there, its own output has to show that it is wrong.
         self.complete = self.motion.samples.keys() >= {*self.scene.channels.names()}
@@ -219,8 +220,8 @@ def _last_is_seen(copy: Thinned) -> bool:
 def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
     """The judgement of the run against a reference that is off by some amounts, by channel, shape (n,)."""
 
-    def at(position: Samples, time: Samples) -> Motion:
-        return spoilt.shifted(copy.reference.at(position, time), amounts)
+    def at(inputs: Inputs) -> Motion:
+        return spoilt.shifted(copy.reference.at(inputs), amounts)
 
     return copy.assessed(copy.motion, replace(copy.reference, at=at))
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Rows, Scene
-from scenes.model.inputs import inputs_of
+from scenes.model.inputs import Inputs, inputs_in, inputs_of, passing
 from scenes.model.motion import Samples
 
 from ...engines import registry
@@ -83,20 +83,23 @@ class Evidence:
         left = float(np.sqrt(max(self.total + change, 0.0) / self.total))
         return left if np.isfinite(left) else np.inf
 
-    def solved(self, scene: Scene, position: Samples | None = None, time: Samples | None = None) -> Channels:
-        """Return all channels of a scene, its drive and instants as asked or others; nothing where it has no motion."""
-        position = self.true[scene.drive_channel] if position is None else position
+    def solved(self, scene: Scene, inputs: Inputs | None = None) -> Channels:
+        """Return all channels of a scene, at the inputs asked for or others; nothing where it has no motion."""
         with suppress(Failure), np.errstate(all="ignore"):
             solve = self.reference.at if scene is self.scene else registry.reference(scene)
-            return solve(position, self.true["time"] if time is None else time).samples
+            return solve(inputs_in(scene, self.true) if inputs is None else inputs).samples
         return {}
+
+    def passing(self, scene: Scene, position: Samples) -> Channels:
+        """Return the same with the drive at other positions at the instants asked for."""
+        return self.solved(scene, passing(scene, position, self.true["time"]))
 
     def late(self, delay: float) -> Channels:
         """Return the motion as if all were late by a time, s; nothing where there is no motion."""
         if delay not in self._late:
             scene, time = self.scene, self.true["time"] - delay
             time = time if scene.periodic else np.clip(time, 0.0, scene.cycle)
-            self._late[delay] = self.solved(scene, inputs_of(scene, time).driven().position, time)
+            self._late[delay] = self.solved(scene, inputs_of(scene, time))
         return self._late[delay]
 
     @cached_property
@@ -187,7 +190,7 @@ def away_from_switches(evidence: Evidence) -> Evidence:
 
 def evidence(reference: Reference, sampling: Rows, motion: Motion) -> Evidence:
     """Return a motion beside what the drive commands, at rows evenly spread and at those about the worst."""
-    true = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+    true = reference.at(sampling.inputs(reference.scene))
     whole = Evidence(reference, motion, true, np.arange(sampling.count))
     if reference.mechanics.friction:
         whole = whole.at(np.flatnonzero(~resting(MotionVectors(reference.scene, true))))

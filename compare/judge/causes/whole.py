@@ -13,6 +13,7 @@ import numpy as np
 from scenes import Scene
 from scenes.channels import Role
 from scenes.fields import Number, put, walk
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, ConstantSpeed, DriveLaw, HarmonicLaw
 
@@ -43,7 +44,7 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         size = KNOWN["rad"][unit]
         rates = {c: (size / scene.drive.law.speed) ** order * true[c] for c, order in orders.items()}
         yield Hypothesis(Cause(Kind.unit, "all", BY_ANGLE, names=(name,)), rates)
-        there = evidence.solved(scene, size / KNOWN["rad"][other] * true[scene.drive_channel])
+        there = evidence.passing(scene, size / KNOWN["rad"][other] * true[scene.drive_channel])
         others = {c: there[c] for c in evidence.names if c != scene.drive_channel and there}
         yield Hypothesis(Cause(Kind.unit, "drive", AXIS, names=(unit, other)), others)
 
@@ -104,7 +105,7 @@ def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     deviation, at_one_speed = there - asked, isinstance(law, ConstantSpeed)
     most = float(deviation[np.abs(deviation).argmax()])
     late = at_one_speed and np.ptp(deviation) <= LATE * abs(most)
-    if deviation.any() and not late and (actual := evidence.solved(scene, there)):
+    if deviation.any() and not late and (actual := evidence.passing(scene, there)):
         constant = np.ptp(deviation) <= CONSTANT * abs(most)
         yield Hypothesis(_drive(BY if constant else UP_TO, most), actual, 1 if constant else PRICE_OF_COURSE)
     if isinstance(law, ConstantSpeed):
@@ -133,7 +134,7 @@ def _drive(text: str, *amounts: float) -> Cause:
 def _offsets(evidence: Evidence, scene: Scene, law: DriveLaw) -> Iterator[Hypothesis]:
     """Yield a drive that is off by a constant, and its channel not; and a law with another one of its positions."""
     asked, hair = evidence.true[scene.drive_channel], [1e-5 * np.ptp(law.extent)]
-    (displacement,), predicted = evidence.fitted(lambda x: evidence.solved(scene, asked + x[0]), hair, 3)
+    (displacement,), predicted = evidence.fitted(lambda x: evidence.passing(scene, asked + x[0]), hair, 3)
     yield Hypothesis(_drive(BY, float(displacement)), predicted, 1)
     entries = [number for number in walk(law, "drive") if number.quantity.dimension == "position"]
     ends = [entries[0], entries[-1]] if law.periodic and not isinstance(law, HarmonicLaw) else []
@@ -142,7 +143,7 @@ def _offsets(evidence: Evidence, scene: Scene, law: DriveLaw) -> Iterator[Hypoth
         def predict(x: Samples, entry: Number = entry) -> Channels:
             moved = {number.at: number.value + float(x[0]) for number in (ends if entry in ends else [entry])}
             other: DriveLaw = put(law, moved)
-            return evidence.solved(scene.with_law(other), other.at(evidence.true["time"]).position)
+            return evidence.solved(changed := scene.with_law(other), inputs_of(changed, evidence.true["time"]))
 
         (displacement,), predicted = evidence.fitted(predict, hair)
         cause = Cause(Kind.drive, "drive", "{one} is off by {displacement}", (float(displacement),), (entry.path,))
@@ -161,7 +162,7 @@ def _speeds(evidence: Evidence, scene: Scene, law: ConstantSpeed) -> Iterator[Hy
 
     def at(rate: float, text: str) -> Channels:
         other = scene if text == CLOCK else scene.with_law(replace(law, speed=rate))
-        return evidence.solved(other, asked if text == RATE else law.start + rate * time)
+        return evidence.passing(other, asked if text == RATE else law.start + rate * time)
 
     def without_drive(x: Samples, text: str) -> Channels:
         predicted = at(law.speed * (1 + float(x[0])), text)

@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 
 from scenes import Motion, Request, Sampling
-from scenes.model.inputs import inputs_of
+from scenes.model.inputs import inputs_in, inputs_of
 from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
@@ -56,7 +56,7 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
         return []
 
     def solve(time: Samples) -> Motion:
-        return reference.at(inputs_of(scene, time).driven().position, time)
+        return reference.at(inputs_of(scene, time))
 
     late = reference.cycle.late.intersection(channel for curve in followed for channel in curve.channels)
     cycle = Motion({**reference.cycle.prompt.samples, **{channel: _lows(reference, channel) for channel in late}})
@@ -91,13 +91,13 @@ def _lows(reference: Reference, channel: str) -> Samples:
     cycle, scene = reference.cycle, reference.scene
     few = Sampling(SCALE_SAMPLES // STRIDE)
     # Two passes: a coarse one over the cycle, and all samples around each of its low bottoms.
-    low = reference.at(few.commanded(scene), few.times(scene))[channel]
+    low = reference.at(few.inputs(scene))[channel]
     values = np.interp(np.arange(SCALE_SAMPLES + 1), np.arange(0, SCALE_SAMPLES + 1, STRIDE), low)
     bottom = (low <= np.append(np.inf, low[:-1])) & (low <= np.append(low[1:], np.inf))
     lowest = np.flatnonzero(bottom & (low <= low.min() + NEXT_TO_HIGHEST * np.ptp(low)))
     around = STRIDE * lowest[:, np.newaxis] + np.arange(-STRIDE, STRIDE + 1)
     near = np.unique(np.clip(around, 0, SCALE_SAMPLES))
-    values[near] = reference.at(cycle[scene.drive_channel][near], cycle["time"][near])[channel]
+    values[near] = reference.at(inputs_in(scene, cycle, near))[channel]
     return values
 
 
@@ -122,7 +122,7 @@ def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
     largest: dict[str, float] = {}
     for rows in _cycles(motion["time"] / scene.cycle):
         cycle_motion = Motion({c: samples[rows] for c, samples in motion.samples.items()})
-        solved = reference.at(cycle_motion[scene.drive_channel], cycle_motion["time"])
+        solved = reference.at(inputs_in(scene, cycle_motion))
         true = reference.fitting(cycle_motion, solved, reference.acts(solved))
         theirs = {number.name: number for number in numbers(scene, followed, cycle_motion)}
         for number in numbers(scene, followed, true):

@@ -17,6 +17,7 @@ import pandas as pd
 from scenes import Failure, InputError, Sampling, Scene, Status, hard
 from scenes.channels import TO_LOCK
 from scenes.hard import Ladder
+from scenes.model.inputs import passing
 
 from ...engines import registry
 from ...engines.kept import Kept
@@ -150,7 +151,8 @@ def _attempted(case: Case, reference: Reference, measured: Measurement, explaine
 def _figures(measured: Measurement, reference: Reference, explained: Explained) -> Row:
     row: Row = {"condition": float(explained.condition.max())}
     if measured.run.motion is not None and measured.comparison is not None:
-        motion = reference.at(measured.comparison.position, measured.run.motion["time"])
+        place, time = measured.comparison.position, measured.run.motion["time"]
+        motion = reference.at(passing(reference.scene, place, time))
         channels = reference.scene.channels
         locks = [float(values.min()) for name, values in motion.samples.items() if channels[name].quantity == TO_LOCK]
         row["to_lock_m"] = min(locks, default=None)

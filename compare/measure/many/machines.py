@@ -79,7 +79,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     status, reason = [Status.ok] * count, [""] * count
 
     def solved(time: Samples) -> Motion:
-        answer = solve(np.broadcast_to(many.drive.law.at(time).position, time.shape), time)
+        answer = solve(inputs_of(many, time).driven().position, time)
         for machine, (ended, why) in enumerate(zip(answer.status, answer.reason, strict=True)):
             if status[machine] is Status.ok:
                 status[machine], reason[machine] = ended, why
@@ -119,11 +119,12 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
     terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]
     time = np.unique([instant for parts in terms for _, instant, _ in parts])
     wanted = frozenset(channel for curve in quantities for channel in curve.channels)
-    position = inputs_of(scene, time).driven().position
+    inputs = inputs_of(scene, time)
+    position = inputs.driven().position
     rates = {**registry.derivatives(scene, paths, position, time, wanted)}
     if left := wanted - rates.keys():  # how far larger groups are from a singular pose
         rates |= _by_differences(scene, paths, position, time, left)
-    there = registry.reference(scene)(position, time)
+    there = registry.reference(scene)(inputs)
     by_curve = {
         curve: _change(curve, rates) + np.array([_by_guide(scene, path, curve, there) for path in paths])
         for curve in {curve for parts in terms for curve, *_ in parts}

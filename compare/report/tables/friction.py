@@ -9,6 +9,7 @@ import numpy as np
 
 from scenes import Failure, Motion, Sampling, Scene
 from scenes.channels import POWER
+from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
@@ -97,7 +98,7 @@ def _efficiency(study: Study) -> Iterator[str]:
 def frictionless(scene: Scene, motion: Motion) -> Samples:
     """The drive's torque, N m, or force, N, without friction, at the samples of a motion."""
     free, channel = replace(scene, friction=()), scene.effort_channel
-    return registry.reference(free, frozenset((channel,)))(motion[scene.drive_channel], motion["time"])[channel]
+    return registry.reference(free, frozenset((channel,)))(inputs_in(free, motion))[channel]
 
 
 def _work(motion: Motion, power: Samples) -> float:
@@ -133,7 +134,7 @@ def _locking(study: Study) -> str:
     def needs(variant: Scene) -> Samples:
         """The drive's power on the way back through the same positions."""
         back = variant.with_law(backwards)
-        there = registry.reference(back)(cycle[scene.drive_channel], cycle["time"])
+        there = registry.reference(back)(inputs_in(back, cycle))
         return drive_power(MotionVectors(back, there))
 
     try:

@@ -20,6 +20,7 @@ from compare.report.pages.report import in_full
 from compare.report.tables import hard as hard_tables
 from scenes import Failure, Motion, Sampling, Settings, Status
 from scenes.hard import ladder as read
+from scenes.model.inputs import inputs_in
 from tests import scene_files
 from tests.comparisons import Plug, Stub, changed
 
@@ -54,7 +55,7 @@ def judge(ladder: str, plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Callable[
 @pytest.fixture(scope="module")
 def right() -> Motion:
     scene, sampling = scenes.load("toggle_press"), Sampling(hard.SAMPLES)
-    return registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))
+    return registry.reference(scene)(sampling.inputs(scene))
 
 
 def told(row: dict[str, Any]) -> tuple[str, str, str]:
@@ -79,7 +80,7 @@ def test_wrong_answers_and_refusals_are_told_apart(judge: Callable[..., dict[str
         status, *found = told(judge(off(channel, by)))
         assert (status != "ok", *found) == (True, "refused", "checks"), (channel, by)
     upward = scene_files.load("toggle_press", {"sketch.P5": [0, -400]})
-    other = registry.reference(upward)(right["crank_angle"], right["time"])
+    other = registry.reference(upward)(inputs_in(upward, right))
     assert told(judge(other)) == ("wrong_branch", "silent", "reference")
     for rings, outcome in ((off("P3.fx", 0.1), "refused"), (None, "refused"), (right, "false alarm")):
         row = judge(Failure(Status.not_converged, "it rings", rings))
@@ -100,7 +101,7 @@ def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.Monk
     real = registry.reference
 
     def wrong(scene: scenes.Scene, _: frozenset[str] | None = None) -> registry.Solve:
-        return lambda position, time: changed(real(scene)(position, time), "P3.fx", 1e-3, row=5)
+        return lambda inputs: changed(real(scene)(inputs), "P3.fx", 1e-3, row=5)
 
     monkeypatch.setattr(registry, "reference", wrong)
     monkeypatch.setattr(registry, "check_way", lambda _: None)

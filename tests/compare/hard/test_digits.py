@@ -13,6 +13,7 @@ from compare.mechanics.mechanics import EPS
 from compare.mechanics.reference import Reference, uncertified
 from scenes import Failure, Positions, Scene, Status, hard
 from scenes.channels import named
+from scenes.model.inputs import passing
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import SLOW, sampled
@@ -39,7 +40,7 @@ def conditions(digits: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
 
 def to_lock(reference: Reference, position: float) -> float:
     """How near the nearest group is to a lock at a position, m."""
-    there = reference.at(np.array([position]), np.zeros(1))
+    there = reference.at(passing(reference.scene, [position], [0.0]))
     return min(float(samples[0]) for channel, samples in there.samples.items() if named(channel).name == "to_lock")
 
 
@@ -51,7 +52,8 @@ def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str
     assert explained(digits), digits
     assert to_lock(reference, nearest) == pytest.approx(float(label), rel=0.2)  # m; the links of 1 m, or so
     # kappa goes like the root of the distance, and so does position; all else like its square. Each to a factor of 20.
-    kappa = reference.mechanics.constraints.condition(reference.at(np.array([nearest]), np.zeros(1))).max()
+    there = reference.at(passing(reference.scene, [nearest], [0.0]))
+    kappa = reference.mechanics.constraints.condition(there).max()
     assert abs(log10(kappa) + 0.5 * log10(float(label))) <= 1.3
     powers = {"position": 1, "velocity": 2, "acceleration": 2, "reaction": 2, "torque": 2}
     assert digits.keys() == powers.keys()

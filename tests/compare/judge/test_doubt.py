@@ -22,6 +22,7 @@ from compare.judge.measure import Measurement
 from compare.mechanics.reference import Reference
 from compare.run import main
 from scenes import InputError, Motion, Scene, Settings, Status
+from scenes.model.inputs import Inputs
 from tests import scene_files
 from tests.comparisons import commanded, sampled
 
@@ -34,7 +35,7 @@ def judged(monkeypatch: pytest.MonkeyPatch, scene: Scene, other: Scene, spoil: S
     real = analytic.solver
 
     class Spoilt(Solver):
-        def __call__(self, position: ArrayLike, time: ArrayLike | None = None, *more: Any) -> Motion:
+        def __call__(self, position: ArrayLike | Inputs, time: ArrayLike | None = None, *more: Any) -> Motion:
             return spoil(super().__call__(position, time, *more))
 
     def spoilt(scene: Scene, channels: frozenset[str] | None = None) -> Solver:

@@ -16,7 +16,7 @@ from compare.mechanics.motion_vectors import MotionVectors
 from compare.mechanics.reference import Floor, Reference, Remembering
 from scenes import Motion, Sampling, Status
 from scenes.channels import named
-from scenes.model.motion import Samples
+from scenes.model.inputs import Inputs, passing
 from scenes.scene import Force, PressForce
 from tests.comparisons import (
     SAMPLING,
@@ -65,7 +65,8 @@ def test_angles_count_modulo_a_turn(reference: Reference, motion: Motion) -> Non
 
 def test_the_drives_error_is_told_apart(reference: Reference) -> None:
     """A crank that lags by 1e-4 rad, everything else right for where it is."""
-    lagging = reference.at(SAMPLING.commanded(reference.scene) - 1e-4, SAMPLING.times(reference.scene))
+    scene = reference.scene
+    lagging = reference.at(passing(scene, SAMPLING.commanded(scene) - 1e-4, SAMPLING.times(scene)))
     table = rows_of(reference, lagging)
     assert row_of(table, "P5.y").max <= 1e-14
     assert row_of(table, "P5.y").commanded_max == pytest.approx(1e-4 * 0.865 / (2 * np.pi) / 0.18363, rel=1e-2)
@@ -127,7 +128,7 @@ def test_a_law_is_followed_in_its_rates(references: References) -> None:
     """All positions right, and the velocities of 10 ms later."""
     reference = references("turning_law")
     position, time = SAMPLING.commanded(reference.scene), SAMPLING.times(reference.scene)
-    late = Motion({**reference.at(position, time + 0.01).samples, "time": time})
+    late = Motion({**reference.at(passing(reference.scene, position, time + 0.01)).samples, "time": time})
     table = rows_of(reference, late)
     errors = {group: worst_of(rows).max for group, rows in by_group(table).items()}
     assert errors["position"] <= 1e-14
@@ -229,7 +230,7 @@ def test_a_lagging_drive_does_not_decide_the_side(pressing: Reference) -> None:
     scene = pressing.scene
     lag = SAMPLING.commanded(scene) - 5e-3
     without = of_scene(pressing, replace(scene, loads=()))
-    on, off = (r.at(lag, SAMPLING.times(scene)) for r in (pressing, without))
+    on, off = (r.at(passing(scene, lag, SAMPLING.times(scene))) for r in (pressing, without))
     there = np.arange(SAMPLING.count) == LOWER_DEAD_POINT
     motion = Motion({c: np.where(there, off[c], on[c]) for c in scene.channels.names()})
     assert max(compare(pressing, SAMPLING, motion).actual[c].max() for c in ("A.fy", "B.fy")) <= 1e-12
@@ -252,7 +253,7 @@ def test_the_stroke_ends_between_samples(pressing: Reference) -> None:
 
     def turned(first: float, by: float) -> MotionVectors:
         way = np.linspace(0, by, 73)
-        return MotionVectors(scene, pressing.at(scene.drive.law.start + first + way, way / (2 * np.pi)))
+        return MotionVectors(scene, pressing.at(passing(scene, scene.drive.law.start + first + way, way / (2 * np.pi))))
 
     whole, half = turned(0.3, 2 * np.pi), turned(0.0, 3.0)
     assert whole.stroke_end(load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative
@@ -270,16 +271,18 @@ def test_a_creeping_press_is_no_switch(pressing: Reference) -> None:
 
 def test_a_reference_solves_nothing_twice(reference: Reference) -> None:
     """Its copy begins anew: what a family keeps of its members holds no motion twice."""
-    solved: list[Samples] = []
+    solved: list[Inputs] = []
 
-    def solve(position: Samples, time: Samples) -> Motion:
-        solved.append(position)
-        return reference.at(position, time)
+    def solve(inputs: Inputs) -> Motion:
+        solved.append(inputs)
+        return reference.at(inputs)
 
     at, position = Remembering(solve), np.linspace(0, 1, 5)
-    first = at(position, position)
-    assert at(position.copy(), position.copy()) is first
-    assert at(position, position + 1e-9) is not first
-    assert len(solved) == 2
-    copy(at)(position, position)
+    there = passing(reference.scene, position, position)
+    first = at(there)
+    assert at(passing(reference.scene, position.copy(), position.copy())) is first
+    assert at(passing(reference.scene, position, position + 1e-9)) is not first
+    assert at(Inputs(there.time, [there.derivatives[0], np.array([0.5]), np.zeros(1)])) is not first
     assert len(solved) == 3
+    copy(at)(there)
+    assert len(solved) == 4

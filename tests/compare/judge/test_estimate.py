@@ -17,6 +17,7 @@ from compare.mechanics.reference import Reference, uncertified
 from compare.mechanics.scales import scales
 from scenes import Motion, Sampling, Settings, Status, hard
 from scenes.channels import Role, named
+from scenes.model.inputs import passing
 from tests import scene_files
 from tests.comparisons import SAMPLING, References, changed, commanded, estimated, sampled, size_of, vector_of
 
@@ -78,7 +79,7 @@ def test_an_open_joint_is_closed_in_the_estimate(references: References, name: s
 def test_a_drive_that_lags_is_off_alone(name: str, lag: float) -> None:
     reference = uncertified(scenes.load(name))
     scene = reference.scene
-    motion = reference.at(SAMPLING.commanded(scene) - lag, SAMPLING.times(scene))
+    motion = reference.at(passing(scene, SAMPLING.commanded(scene) - lag, SAMPLING.times(scene)))
     assert max(largest(reference, motion).values()) <= 1e-12
     (drive,) = (check for check in checks(Mechanics(scene), motion, reference.travel) if check.check == "drive")
     assert drive.worst == pytest.approx(1e-2)
@@ -128,7 +129,7 @@ def test_it_explains_no_more_than_the_condition_allows(channel: str, power: int)
 def test_a_crank_that_has_turned_a_thousand_times_is_rounded_as_much_more(reference: Reference) -> None:
     """Its angle is known to 1e-12 of a turn; what follows from it may be off by that, not by a hundred times that."""
     long = Sampling(8, turns=1000)
-    motion = reference.at(long.commanded(reference.scene), long.times(reference.scene))
+    motion = reference.at(long.inputs(reference.scene))
     promise = Settings("").promise
     assert max(largest(reference, motion).values()) <= promise
     off = changed(motion, "P5.ax", 100 * promise * reference.scale["P5.ax"], row=-1)

@@ -22,9 +22,9 @@ SAMPLING = Sampling(72)
 def astray(reference: Reference, angle: float) -> Measurement:
     """A run that is in the other assembly beyond an angle, rad."""
     scene = reference.scene
-    position, time = SAMPLING.commanded(scene), SAMPLING.times(scene)
-    own = reference.at(position, time)
-    other = registry.reference(scene_files.load("parallelogram", {**NEARLY, "sketch.C": [0.75, -0.2]}))(position, time)
+    inputs = SAMPLING.inputs(scene)
+    own, position = reference.at(inputs), inputs.driven().position
+    other = registry.reference(scene_files.load("parallelogram", {**NEARLY, "sketch.C": [0.75, -0.2]}))(inputs)
     mixed = {c: np.where(position > angle, other[c], values) for c, values in own.samples.items() if c in other}
     run = Run("pymunk", Settings("x", promise=1e-2), Status.ok, motion=Motion(mixed))
     return assess(reference, SAMPLING, run, explain(reference, SAMPLING))

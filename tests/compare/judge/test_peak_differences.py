@@ -10,6 +10,7 @@ from compare.judge.peaks.peaks import peaks
 from compare.mechanics.reference import Reference, uncertified
 from scenes import Motion, Sampling
 from scenes.channels import Role
+from scenes.model.inputs import passing
 from scenes.scene import Force
 from tests import scene_files
 from tests.comparisons import SAMPLING, Plug, commanded, of_scene
@@ -74,7 +75,8 @@ def test_places_are_relative_to_the_stroke(reference: Reference, plug: Plug) -> 
 
 
 def test_a_drive_that_is_late_makes_no_difference(reference: Reference, plug: Plug) -> None:
-    late = reference.at(SAMPLING.commanded(reference.scene) - 0.01, SAMPLING.times(reference.scene))
+    scene = reference.scene
+    late = reference.at(passing(scene, SAMPLING.commanded(scene) - 0.01, SAMPLING.times(scene)))
     assert max(differences(reference, late, plug).values()) <= ROUNDING
 
 

@@ -60,7 +60,7 @@ def test_in_a_lock_doubles_can_tell_nothing() -> None:
     scene = rung("parallelogram", "0")
     solve = registry.reference(scene)
     vars(solve)["meetings"] = Meetings(0.0, 0.0, ())  # which else keep it from being solved
-    motion = solve(TURN.commanded(scene), TURN.times(scene))
+    motion = solve(TURN.inputs(scene))
     scale = dict.fromkeys(scene.channels.names(), 1.0)
     assert not explain(Reference(Mechanics(scene), solve, 1.0, {}, scale, Floor({}, "")), TURN).decidable
     assert Constraints(scene).condition(motion).max() > 1e15

@@ -18,6 +18,7 @@ from compare.mechanics.reference import Reference
 from compare.mechanics.round_off import explain
 from scenes import Instants, Motion, Settings, Status
 from scenes.channels import Role, named
+from scenes.model.inputs import inputs_in, inputs_of, passing
 from scenes.model.motion import Samples
 from tests.comparisons import SAMPLING, References, changed, commanded, sampled
 
@@ -34,7 +35,7 @@ def spoilt(motion: Motion, samples: dict[str, Samples]) -> Motion:
 
 def late(reference: Reference, by: float) -> Motion:
     instants = SAMPLING.times(reference.scene) - by
-    return reference.at(reference.scene.drive.law.at(instants).position, instants)
+    return reference.at(inputs_of(reference.scene, instants))
 
 
 def in_frame(motion: Motion, joint: str, body: str) -> dict[str, Samples]:
@@ -53,11 +54,10 @@ def rows(motion: Motion, order: NDArray[np.intp]) -> dict[str, Samples]:
 
 def breathing(reference: Reference) -> dict[str, Samples]:
     """Return each row of another length of the rod: 3 mm more and less of 300 over the turn."""
-    motion, time = commanded(reference), SAMPLING.times(reference.scene)
+    motion = commanded(reference)
     lengths = 0.3 + 0.003 * np.sin(2 * np.pi * ROWS / 72)
     rods = [reference.scene.with_numbers({"bodies.rod.lengths.P4-P5": length}) for length in lengths.tolist()]
-    position = motion[reference.scene.drive_channel]
-    solved = [registry.reference(rod)(position[k : k + 1], time[k : k + 1]) for k, rod in enumerate(rods)]
+    solved = [registry.reference(rod)(inputs_in(rod, motion, [k])) for k, rod in enumerate(rods)]
     return {c: np.array([row[c][0] for row in solved]) for c in motion.samples if c in solved[0]}
 
 
@@ -126,10 +126,10 @@ def test_what_is_wrong_in_a_read_out_is_named(references: References, fault: str
 @pytest.mark.parametrize("even", [True, False])
 def test_a_lag_is_counted_in_samples_where_their_steps_are_equal(references: References, even: bool) -> None:
     reference = references("toggle_press")
-    instants = np.linspace(0.0, 1.0, 61)
+    scene, instants = reference.scene, np.linspace(0.0, 1.0, 61)
     if not even:
         instants = instants + 0.005 * np.sin(2 * np.pi * instants)
-    off = reference.at(reference.scene.drive.law.at(instants - 2e-3).position, instants)
+    off = reference.at(passing(scene, inputs_of(scene, instants - 2e-3).driven().position, instants))
     motion = Motion({**off.samples, "time": instants})
     named = cause(reference, Instants(tuple(instants)), motion)
     assert named.kind is Kind.lag

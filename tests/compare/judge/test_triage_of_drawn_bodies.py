@@ -30,6 +30,6 @@ ROCKER, COUPLER = "rocker's mass is 10 % too large", "coupler's mass is 10 % too
 def test_the_numbers_of_a_drawing(references: References, shares: Mapping[str, float], expected: str) -> None:
     reference = references("outlined")
     other = SCENE.with_numbers({path: share * SCENE.numbers[path].value for path, share in shares.items()})
-    motion = registry.reference(other)(SAMPLING.commanded(SCENE), SAMPLING.times(SCENE))
+    motion = registry.reference(other)(SAMPLING.inputs(SCENE))
     named = cause(reference, SAMPLING, Motion({channel: motion[channel] for channel in other.channels.names()}))
     assert words(SCENE, named) == expected

@@ -21,6 +21,7 @@ from compare.mechanics.round_off import explain
 from scenes import Motion, Sampling, Scene, Settings, Status
 from scenes.channels import Role, named
 from scenes.fields import put
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 from tests.comparisons import References, sampled
@@ -39,7 +40,8 @@ def commanded(scene: Scene, slower: float = 1.0, speed: float = 1.0) -> dict[str
     law, times = scene.drive.law, slower * SAMPLING.times(scene)
     assert isinstance(law, ConstantSpeed)
     law = replace(law, speed=speed * law.speed)
-    return dict(registry.reference(scene.with_law(law))(law.at(times).position, times).samples)
+    faster = scene.with_law(law)
+    return dict(registry.reference(faster)(inputs_of(faster, times)).samples)
 
 
 def seen(reference: Reference, samples: dict[str, Samples], channels: Collection[str]) -> Evidence:
@@ -124,7 +126,7 @@ def test_a_factor_is_never_shown_as_one(reference: Reference, by: float, wrong: 
 def test_causes_are_known_where_the_crank_turns_but_a_part(references: References) -> None:
     """Positions in degrees in place of radians are beyond its dead points, and no reason to know nothing."""
     reference, sampling = references("elbow"), Sampling(36)
-    motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+    motion = reference.at(sampling.inputs(reference.scene))
     wrong = Motion({**motion.samples, "T.vx": -motion["T.vx"]})
     named = cause(reference, sampling, wrong)
     assert (named.kind, named.place) == (Kind.sign, "T")

@@ -14,6 +14,7 @@ from compare.measure.speed.speed_table import Budget
 from compare.mechanics.reference import Reference
 from compare.study import study
 from scenes import Failure, Motion, Sampling, Settings, Status
+from scenes.model.inputs import passing
 from tests import scene_files
 from tests.comparisons import SAMPLING, Outcome, Plug, Stub, changed, rows_of, sampled, size_of
 
@@ -106,7 +107,7 @@ def test_a_repeated_row_is_noticed(motion: Motion, measured: Measured, spoilt: t
 def test_a_motion_that_is_late_is_noticed(reference: Reference, measured: Measured, late: float) -> None:
     """All of it, the crank angle too: consistent, and not where it was asked to be."""
     scene = reference.scene
-    run = measured(reference.at(SAMPLING.commanded(scene) - late, SAMPLING.times(scene))).run
+    run = measured(reference.at(passing(scene, SAMPLING.commanded(scene) - late, SAMPLING.times(scene)))).run
     assert run.status is Status.inconsistent
     assert f"crank deviates from the commanded position by {late:.1%}"[:52] in run.reason or late < 1e-2
 

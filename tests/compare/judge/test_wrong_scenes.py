@@ -28,7 +28,7 @@ WIDTH = "each uniform bar's moment of inertia is that of one {length} wide"
 
 
 def solved(scene: Scene, reference: Reference) -> Motion:
-    motion = registry.reference(scene)(SAMPLING.commanded(reference.scene), SAMPLING.times(reference.scene))
+    motion = registry.reference(scene)(SAMPLING.inputs(reference.scene))
     return Motion({channel: motion[channel] for channel in scene.channels.names()})
 
 

@@ -20,7 +20,7 @@ PIN = PinFriction(at="P3", radius=0.04, coefficient=0.1)
 GUIDE = GuideFriction(slider="slider", coefficient=0.2, length=0.3, viscous=10.0)
 SCENE = replace(load("toggle_press"), friction=(PIN, GUIDE))
 SAMPLING = Sampling(72)
-MOTION = registry.reference(SCENE)(SAMPLING.commanded(SCENE), SAMPLING.times(SCENE))
+MOTION = registry.reference(SCENE)(SAMPLING.inputs(SCENE))
 ROUND_OFF = 1e-12  # of the peaks, which cancel little here
 
 
@@ -59,7 +59,7 @@ def test_no_force_is_judged_where_a_joint_reverses() -> None:
     """At the dead points, and nowhere else among the samples."""
     scene = scene_files.load("slider_crank")
     scene = replace(scene, friction=(GuideFriction(slider=next(iter(scene.slides)), coefficient=0.1, length=0.2),))
-    motion = registry.reference(scene)(SAMPLING.commanded(scene), SAMPLING.times(scene))
+    motion = registry.reference(scene)(SAMPLING.inputs(scene))
     rests = resting(MotionVectors(scene, motion))
     errors = unresting(Mechanics(scene), motion, {c: np.ones_like(rests, float) for c in motion.samples})
     assert rests.any()

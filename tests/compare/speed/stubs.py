@@ -122,6 +122,6 @@ class StubRun:
     def read(self) -> Motion:
         reference = self.engine.reference
         scene = reference.scene
-        exact = reference.at(self.sampling.commanded(scene), self.sampling.times(scene))
+        exact = reference.at(self.sampling.inputs(scene))
         off = exact["P3.fx"] + reference.scale["P3.fx"] * self.steps**-2.0
         return Motion(dict(exact.samples) | {"P3.fx": off})
