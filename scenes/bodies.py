@@ -41,6 +41,8 @@ def corners(points: Sequence[str], local: Places | None, lengths: Lengths | None
     # By lengths, without places, no more than three points are on one line here.
     if len(points) < 3 or (local is None and len(points) > 3):
         return tuple(points)
+    # Of points on one line, the one farthest from any of them is an end, and the one farthest from that end is the
+    # other end. Of points that are not on one line the heights over these two show it.
     end = max(points, key=partial(_length, local, lengths, points[0]))
     other = max((point for point in points if point != end), key=partial(_length, local, lengths, end))
     ends = tuple(point for point in points if point in (end, other))
@@ -57,6 +59,10 @@ def heights(
             sides = np.broadcast_arrays(*(_length(local, lengths, *ends) for ends in ((p, q), (q, r), (r, p))))
             with np.errstate(all="ignore"):  # of numbers that no file may have
                 a, b, c = sides / np.maximum.reduce(sides)
+                # Heron's formula with the longest side as the unit: the square root of the product is four times the
+                # area, and the height over a side of length one is twice the area. Of a flat triangle the product loses
+                # half of its digits, which is a noise of 1e-8 of the side, far below the limit of 1e-3; sides that
+                # cannot close give a negative product, taken for zero.
                 heron = (a + b + c) * (a + b - c) * (a - b + c) * (b + c - a)
                 yield np.sqrt(np.maximum(heron, 0)) / 2
 
@@ -75,6 +81,9 @@ def on_one_line(points: Sequence[str], lengths: Lengths) -> dict[str, tuple[floa
         if len(bases) != 2:
             return {}
         (x, a), (y, b) = bases
+        # A point at the distance a from x and b from y is at x - a or x + a. That with the smaller misfit of b is on
+        # the line, if any is. As a triangle such a point has a height of the square root of a rounding, 1e-8 of its
+        # sides, on either side.
         off, place = min((abs(abs(place - y) - b), place) for place in (x - a, x + a))
         if not off <= CLOSED * (a + b):
             return {}
@@ -105,6 +114,9 @@ class Slide:
     def __post_init__(self) -> None:
         """Make a unit vector of a direction, and keep its length."""
         x, y = self.along
+        # A direction that is a unit vector already is kept to the last bit, so that a body may be copied again and
+        # again. One of no length, or of so little that its inverse is infinite, is left as it is, for the check of
+        # sizes to refuse.
         plain = isinstance(x, float | int) and isinstance(y, float | int)
         norm: Any = hypot(x, y) if plain else np.hypot(x, y)
         if plain and abs(norm - 1) <= ROUNDING:

@@ -100,6 +100,9 @@ class MotionLaw(Law):
 
     def still(self, order: int) -> ArrayLike:
         """The instants of the rows, s, and all of a cycle where the derivative of an order, 1 or 2, is zero."""
+        # The spline's own slope has to be minus the trend where the law stands still. The rows are in the list because
+        # the ends of a law that is not periodic are extremes without a zero of any derivative, and because rounding may
+        # put a zero at a row just outside both of its cubics.
         return [*self.times, *self._spline.still(order, -self._trend)]
 
     @property
@@ -138,6 +141,9 @@ class MotionLaw(Law):
     @cached_property
     def _spline(self) -> CubicSpline:
         times = np.array(self.times)
+        # A law that gains whole turns in a period is a periodic function and a straight line. The line is taken off
+        # before the spline, whose rate and acceleration then continue from one period to the next, and is added again
+        # in `at`.
         positions = np.array(self.positions) - self._trend * times
         if self.periodic:
             positions[-1] = positions[0]  # but for a rounding they are the same

@@ -188,6 +188,8 @@ def put(whole: Any, values: Mapping[At, Any]) -> Any:
     """A scene, or a part of one, with other values at some places."""
     if () in values:
         return values[()]
+    # The inverse of `walk`: places are sorted by their first key, and each part of the scene is rebuilt from its own;
+    # what no place leads to is shared with the old scene.
     inner: dict[Any, dict[At, Any]] = {}
     for (key, *rest), value in values.items():
         inner.setdefault(key, {})[tuple(rest)] = value

@@ -119,6 +119,7 @@ def _rungs(file: LadderFile, path: Path) -> Iterator[Rung]:
                 raise InputError(f"'{status}' is no status{nearest(status, known)}")
     counts = file.paths == [TURNS]
     for step, value in file.steps.items():
+        # A ladder over turns changes no number of the scene, only for how many cycles it is solved.
         changes, changed = {} if counts else dict.fromkeys(file.paths, value), deepcopy(tables)
         with at_place(f"steps.{step}"):
             if counts and (isinstance(value, str) or value < 1 or value != int(value)):

@@ -38,6 +38,8 @@ class Piece(NamedTuple):
         """The position and its derivatives at an instant, s, or at many."""
         t = np.subtract(time, self.begin + self.lag)
         position = rate = acceleration = 0.0 * t
+        # Horner's rule for a polynomial and its first two derivatives at once, from the highest power down. Each line
+        # of it is the derivative of the one before: (p t + c)' = p' t + p, (p t + c)'' = p'' t + 2 p'.
         for c in reversed(self.polynomial):
             position, rate, acceleration = position * t + c, rate * t + position, acceleration * t + 2 * rate
         for size, omega, phase in self.sines:
@@ -59,6 +61,8 @@ class Piece(NamedTuple):
 
     def moved(self, begin: float, start: float, within: float = 1.0, rise: float = 1.0) -> "Piece":
         """The same from another instant and place on, and in other units of time, s, and way, rad or m."""
+        # The new motion is y(T) = start + rise p((T - begin) / within). So the coefficient of T^k is divided by
+        # within^k, and angular rates by `within`; phases do not change, since the lag is stretched with the time.
         polynomial = [rise * c / within**k + start * (k == 0) for k, c in enumerate(self.polynomial)]
         sines = [(rise * size, omega / within, phase) for size, omega, phase in self.sines]
         return Piece(begin + within * self.begin, polynomial, sines, within * self.lag, within * self.within)
@@ -180,6 +184,9 @@ class SegmentedLaw(Law):
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""
+        # At a boundary the position is the boundary's own and the rate is zero, without the roundings of a polynomial
+        # that is evaluated there: two segments that meet agree to the last bit. The acceleration may jump there, as
+        # that of a harmonic law does, so it is the later segment's.
         own, time, last, periods, rests = self._placed(time)
         position, rate, acceleration = self._of_pieces(Piece.at, own, time, 3)
         positions = np.asarray(self.positions)
@@ -198,12 +205,18 @@ class SegmentedLaw(Law):
         And whether it is on that boundary. The first piece, and the one behind the last, are at rest.
         """
         time, ends = np.asarray(time, np.float64), np.asarray(self.boundaries)
+        # The instants of samples are products such as 120 / 360 * cycle, and may be a rounding before or after the
+        # boundary that they stand for. All within a hair are set on the boundary itself, which belongs to the later
+        # piece.
         hair = SAME_INSTANT * self.cycle
         periods = np.floor((time + hair) / self.cycle) if self.periodic else np.zeros(time.shape)
         time = time - periods * self.cycle
         last = np.maximum(np.searchsorted(ends, time + hair, side="right") - 1, 0)
         rests = np.abs(time - ends[last]) <= hair
         time = np.where(rests, ends[last], time)
+        # Piece 0 is the rest before the first segment, pieces 1 to n are the segments' own, piece n + 1 is the rest
+        # after the last. The end itself lies before `cycle + hair`, so of a law that is not periodic it belongs to the
+        # last segment.
         begins = [*(piece.begin for piece in self.pieces), self.cycle + hair]
         return np.searchsorted(begins, time, side="right"), time, last, periods, rests
 
@@ -233,6 +246,9 @@ class HarmonicLaw(Law):
     @cached_property
     def multiples(self) -> tuple[int, ...]:
         """How often each is in a cycle, by the digits of the frequencies as they are written."""
+        # The common frequency is the greatest number of which all frequencies are whole multiples: with reduced
+        # fractions the gcd of the numerators over the lcm of the denominators. The decimals as written count, since 0.1
+        # as a double is a fraction over 2^55, by which no cycle would ever close.
         written = [Fraction(str(frequency)) for frequency in self.frequencies]
         common = Fraction(gcd(*(f.numerator for f in written)), lcm(*(f.denominator for f in written)))
         return tuple(int(f / common) for f in written)
@@ -255,6 +271,12 @@ class HarmonicLaw(Law):
 
     def still(self, order: int) -> ArrayLike:
         """Instants, s, with all of a cycle where the derivative of an order is zero: a polynomial of exp(i w t)."""
+        # A derivative of order m is the real part of the sum of c_n z^n, with z = exp(2 pi i t / cycle), and with c_n =
+        # A_n n^m exp(i (phase_n + (m - 1) pi / 2)), because the m-th derivative of a sine is led by m quarter turns.
+        # Times 2 z^N it is the polynomial with the coefficients c_N ... c_1, 0, conj c_1 ... conj c_N. Its roots on the
+        # unit circle are the instants sought, all of them, which no search from samples guarantees. Roots off the
+        # circle are kept too: their angles add instants at which nothing is special, and a largest value over the
+        # instants is not changed by those.
         c = np.zeros(max(self.multiples) + 1, complex)
         for size, n, phase in zip(self.amplitudes, self.multiples, self.phases, strict=True):
             c[n] += size * n**order * np.exp(1j * (phase + (order - 1) * pi / 2))

@@ -51,6 +51,9 @@ def meetings(start: Any) -> Iterator[tuple[int, int, Any]]:
     for side in range(len(start) - 2):
         others = np.arange(side + 2, len(start) - (side == 0))
         a, b, c, d = start[side], end[side], start[others], end[others]
+        # Two segments meet unless one lies strictly on one side of the line of the other, or their bounding boxes are
+        # apart. The boxes decide for segments on one line, where all turns are zero. A touch counts as a meeting; no
+        # division is needed, and parallel sides are no special case.
         apart = (_turn(a, b, c) * _turn(a, b, d) > 0) | (_turn(c, d, a) * _turn(c, d, b) > 0)
         for p, q, r, s in ((a.real, b.real, c.real, d.real), (a.imag, b.imag, c.imag, d.imag)):
             apart |= (np.maximum(p, q) < np.minimum(r, s)) | (np.maximum(r, s) < np.minimum(p, q))

@@ -291,6 +291,8 @@ class Scene(_Loaded):
         Nothing is checked, and no body becomes a bar or a plate by them. Of a guide's direction the numbers are in
         shares of its length in the file. The scene has no tables, which would have the numbers of this one.
         """
+        # Elements that hold a fact derived from numbers are made anew after them: the sense in which a press closes
+        # depends on the direction of its guide.
         there = {self.numbers[path].at: value for path, value in values.items()}
         other: Scene = put(self, {**there, ("tables",): {}})
         for key in LISTS:

@@ -65,6 +65,9 @@ def _of_chain(h: Samples, m: Samples) -> Samples:
     if len(h) == 2:  # the slope of a parabola half way is that of the chord
         middle = (h[1] * m[0] + h[0] * m[1]) / (h[0] + h[1])
         return np.array([2 * m[0] - middle, middle, 2 * m[1] - middle])
+    # Not-a-knot: the third derivative does not jump at the second knot. The third slope is eliminated from that
+    # condition by the continuity of the second derivative there, which leaves an equation of the first two slopes, so
+    # that the matrix stays tridiagonal; at the other end likewise.
     first, last = h[0] + h[1], h[-1] + h[-2]
     lower, upper = [*h[1:], last], [first, *h[:-1]]
     middle = [h[1], *(2 * (h[:-1] + h[1:])), h[-2]]
@@ -75,10 +78,15 @@ def _of_chain(h: Samples, m: Samples) -> Samples:
 
 def _of_ring(h: Samples, m: Samples) -> Samples:
     """The slopes of a periodic spline, the last the first one again."""
+    # With two steps or one both neighbours of a knot are the same knot, and the equations of the ring have one
+    # solution: all slopes are the mean of the chords' slopes, weighted by 1 / h.
     if len(h) < 3:
         return np.full(len(h) + 1, float((m / h).sum() / (1 / h).sum()))
     right = 3 * (h * np.roll(m, 1) + np.roll(h, 1) * m)  # of all slopes but the last, which is the first
     diagonal, before = 2 * (h + np.roll(h, 1)), np.roll(h, 1)
+    # The last slope stands in the first and in the last equation of the chain too, by which the ring closes. The chain
+    # is solved twice: for the right sides, with that slope zero, and for what a slope of one adds. The equation of the
+    # ring that is left then gives the slope itself (Sherman and Morrison's idea, without a modified matrix).
     chain = [*h[1:-1]], [*diagonal[:-1]], [*before[:-2]]
     fixed = _tridiagonal(*chain, [*right[:-1]])
     moved = _tridiagonal(*chain, [-h[0], *[0.0] * (len(h) - 3), -h[-3]])
@@ -95,6 +103,10 @@ def _tridiagonal(
     low, mid, up, b = (list(map(float, of)) for of in (lower, middle, upper, right))
     n, far = len(mid), [0.0] * len(mid)  # the second upper diagonal, which pivots fill
     for i in range(n - 1):
+        # Gaussian elimination with partial pivoting, as LAPACK's dgtsv does it. An exchange of row i and the next one
+        # moves an entry two places right of the diagonal, hence the third upper list. The rows are diagonally dominant
+        # as they stand; but the not-a-knot row leaves h0 + h1 on the next diagonal, and a third step that is longer
+        # needs the exchange.
         if abs(mid[i]) >= abs(low[i]):
             factor = low[i] / mid[i]
             mid[i + 1] -= factor * up[i]

@@ -83,6 +83,7 @@ class PinFriction(Friction):
     @property
     def arm(self) -> Any:
         """The radius of the friction circle, m."""
+        # sin(arctan mu), of the friction circle, by a square root alone.
         return self.radius * self.coefficient / np.sqrt(1 + self.coefficient**2)
 
     def pin(self, scene: "Scene") -> "Pin":

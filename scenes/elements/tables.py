@@ -87,6 +87,9 @@ class LoadCurve:
 
 def straight_lines(x: Any, arguments: Sequence[Any], values: Sequence[Any]) -> Any:
     """The values at x, of any shape, as `np.interp` has them; entries of many machines have the shape (m, 1)."""
+    # A piecewise linear function as a sum of ramps, each clipped to its own step: constant beyond both ends, no search
+    # for the step, and so no index, which machines with different arguments would not share. `np.interp` takes one
+    # table alone.
     value = values[0]
     for (x0, f0), (x1, f1) in pairwise(zip(arguments, values, strict=True)):
         value = value + (f1 - f0) / (x1 - x0) * np.clip(x - x0, 0, x1 - x0)

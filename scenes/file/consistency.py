@@ -43,6 +43,8 @@ def _of_slides(scene: Scene) -> Iterator[str]:
             known = [other for other in (GROUND, *scene.bodies) if other != name]
             yield f"bodies.{name}.slides.on: no body '{carrier}'{nearest(carrier, known)}"
     try:
+        # A slide is measured in the frame of what it slides on, so the frames have to form a forest that is rooted in
+        # the ground or in bodies that do not slide. A cycle of slides has no frame to begin with.
         TopologicalSorter({name: [carrier] for name, carrier in on.items()}).prepare()
     except CycleError as error:
         ring = error.args[1][::-1]  # from each to what it slides on
@@ -135,6 +137,8 @@ def _of_positions(scene: Scene, law: MotionLaw | SegmentedLaw, key: str) -> Iter
         yield f"drive.{key}: expected a motion, found the same position at all times"
     gain = law.positions[-1] - law.positions[0]
     slides = scene.drive.slide is not None
+    # Positions in degrees or in inches become SI by a factor that is rounded, so a law that closes as written is off by
+    # a few units in the last place here; 1e-9 of the travel is far above that and far below what anybody would write.
     off = gain if slides else remainder(gain, 2 * pi)
     largest = max(abs(position - law.positions[0]) for position in law.positions)
     if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
@@ -153,6 +157,8 @@ def _of_joints(scene: Scene) -> Iterator[str]:
     for one, other in (*((pin.first, pin.second) for pin in scene.pins), *slides):
         joined[one].add(other)
         joined[other].add(one)
+    # Breadth-first search of the graph of bodies and joints from the ground: what is left in `joined` was never
+    # reached. It comes before the count of freedoms, which a loose part with too many joints could balance.
     ahead = [GROUND]
     for name in ahead:
         ahead += joined.pop(name, ())
@@ -162,6 +168,8 @@ def _of_joints(scene: Scene) -> Iterator[str]:
             slips = freedoms.slips(scene, body.points)
             yield f"bodies.{body.name}: hangs on nothing: {chain}{slips and f'; {slips}'}"
     b, p, s = len(scene.bodies), len(scene.pins), len(slides)
+    # Gruebler's (Chebyshev's) criterion for plane linkages. It counts and looks at no length: a linkage that moves
+    # because of special lengths, such as a parallelogram with a third crank, is refused here as over-constrained.
     mobility = 3 * b - 2 * p - 2 * s
     if mobility != 1:
         kind = "under-constrained" if mobility > 1 else "over-constrained"

@@ -53,6 +53,8 @@ def _together(scene: Scene) -> Iterator[Demand]:
         bar = isinstance(body, DrawnBody) and not body.outline
         if isinstance(body, DrawnBody):
             yield from _of_drawn(body)
+        # A body was classified as a bar or a plate by the drawing. Machines that vary it keep the class, because one
+        # set of formulas solves them all; so those whose own points are of the other class are refused.
         uniform = body.mass is not None and (body.com is None or bar) and len(body.points) > 2
         for height in heights(body.corners, body.points, body.local, body.lengths) if uniform else ():
             if np.ndim(height):  # of many machines: whether their points are on one line, as those of the drawing

@@ -43,6 +43,7 @@ def validated(file: type[File], given: object, unit: UnitOf = lambda _: "") -> F
 
 def _explained(error: ValidationError, file: type[FileTable], unit: UnitOf) -> str:
     """A line on the first of the errors in a file; the rest is counted, since one slip often causes several."""
+    # A misspelt key is two errors, an unknown key and a missing one; the unknown one shows the slip, so it comes first.
     first, *rest = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
     location = [part for part in first["loc"] if part not in ("[key]", "vector", "number")]
     given, bounds, kind = first["input"], first.get("ctx", {}), first["type"]

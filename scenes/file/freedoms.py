@@ -44,6 +44,8 @@ def cause(scene: Scene, mobility: int) -> str:
 def slips(scene: Scene, points: Iterable[str]) -> str:
     """Which of some points are on one body alone, and have nearly the name of a point of another; or nothing."""
     meant: dict[str, str] = {}
+    # A misspelt pin shows as two points that one body each has, with names alike. A point of the sketch is taken for
+    # the right one of the two, because its name was written twice.
     alone = [point for point in points if len(scene.owners[point]) == 1]
     for point in sorted(alone, key=lambda point: point in scene.drawn):  # one that is sketched is right
         (owner,) = scene.owners[point]
@@ -95,6 +97,9 @@ def loose_bodies(scene: Scene) -> list[str]:
     pattern = _pattern(scene, scene.bodies, _joints(scene))
     equation = matched(pattern)
     coordinate = {row: column for column, row in equation.items()}
+    # The under-determined part of Dulmage and Mendelsohn's decomposition: from a coordinate without an equation, to
+    # every matched equation that has it, to the coordinate that is matched there, which could be left over in its
+    # place. By a theorem of theirs the part does not depend on which maximum matching was found.
     reached = [column for column in range(3 * len(scene.bodies)) if column not in equation]
     for column in reached:
         freed = (coordinate[row] for row, columns in enumerate(pattern) if column in columns and row in coordinate)
@@ -132,6 +137,9 @@ def _on(body: str) -> str:
 def _superfluous(scene: Scene) -> str:
     """Without which body or joint the rest is determined; where there is none, which bodies are held twice."""
     joints, bodies, driven = _joints(scene), [*scene.bodies], {scene.drive.body, scene.drive.on}
+    # Brute force over the bodies and the joints, one left out at a time, with a matching for each: quadratic in their
+    # number, hence the limit. An answer of one joint says more to a reader than the whole over-determined part, which
+    # is named only where no single thing is superfluous.
     fewer = {name: ([body for body in bodies if body != name], _joints(scene, name)) for name in bodies[:TRIED]}
     fewer |= {joint.name: (bodies, [other for other in joints if other != joint]) for joint in joints[:TRIED]}
     kept = {*driven, *(joint.name for joint in joints if {joint.first, joint.second} == driven)}
@@ -140,6 +148,9 @@ def _superfluous(scene: Scene) -> str:
         return f"without {', or without '.join(without[:MANY])} it would move"
     pattern = _pattern(scene, bodies, joints)
     equation = matched(pattern)
+    # The over-determined part: from an equation without a coordinate, to every coordinate in it, to the equation that
+    # has taken this. Every coordinate on the way is taken: a free one would end an augmenting path, and the matching is
+    # a largest.
     reached = [row for row in range(len(pattern)) if row not in equation.values()]
     for row in reached:
         reached += [other for other in (equation[column] for column in pattern[row]) if other not in reached]

@@ -163,6 +163,8 @@ def _scene(table: SceneFile, file: str) -> Scene:
         variations=tuple(table.variations),
         **lists,
     )
+    # All units end here, once: each number that the types of the fields declare is multiplied by the size of its
+    # quantity's unit. Limits follow below, since their units are those of channels.
     sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}
     in_si = {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}
     scene: Scene = put(as_written, in_si)
@@ -231,6 +233,9 @@ def write_starter(path: Path) -> list[Path]:
     starter = (files("scenes") / "starter.toml").read_text(encoding="utf-8").replace('"NAME"', f'"{name}"')
     contents = {scene: starter.encode(), schema: json.dumps(SceneFile.model_json_schema(), indent=1).encode() + b"\n"}
     try:
+        # Both files or none. "xb" creates a file only where there is none, in one step, so that no other process's file
+        # is overwritten between a test and the write. Where the second one fails, the stack deletes what was created
+        # before.
         with ExitStack() as undo:
             for file, content in contents.items():
                 if file == schema and file.is_file() and file.read_bytes() == content:

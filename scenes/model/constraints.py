@@ -37,11 +37,17 @@ def groups(pattern: Pattern) -> list[DiagonalBlock]:
     equation = matched(pattern)
     if len(equation) < count:
         return [DiagonalBlock(range(count), range(count), [])]
+    # needs[i, j] is 1 where unknown i needs unknown j. Each product of the matrix with itself doubles the length of the
+    # chains that it knows, so that after log2(count) squarings it is transitively closed. Floats make it a BLAS
+    # product, which NumPy has for no booleans; entries are cut to 1, and single precision counts exactly to 2^24.
     needs = np.eye(count, dtype=np.float32)
     for unknown, row in equation.items():
         needs[unknown, pattern[row]] = 1
     for _ in range(count.bit_length()):
         needs = np.minimum(needs @ needs, 1)
+    # Unknowns that need each other are a strongly connected component, and are known by the first of them. An unknown
+    # that needs another component needs all that this needs, and itself: sorted by the number of needs, each component
+    # comes after all that it depends on.
     first = np.argmax(needs * needs.T, axis=1)  # of the unknowns that need each other
     order = sorted(range(count), key=lambda unknown: (needs[unknown].sum(), first[unknown]))
     blocks = []
@@ -54,6 +60,10 @@ def groups(pattern: Pattern) -> list[DiagonalBlock]:
 
 def matched(pattern: Pattern) -> Mapping[int, int]:
     """By column a row of its own that has an entry there, for as many as possible: by augmenting paths."""
+    # Maximum matching of rows and columns (Berge): from a row without a column, a breadth-first search along columns
+    # that are taken and the rows that took them, until a column is free. Then every row on the path exchanges its
+    # column, and one more row is matched. Where no path is found the row stays without, and no later exchange can
+    # change that.
     owner, owned = dict[int, int](), dict[int, int]()  # by column its row, by row its column
     for start in range(len(pattern)):
         came, reached = dict[int, int](), [start]  # by column the row that leads to it
@@ -97,11 +107,18 @@ def open_joint(
     def slope(x: Samples) -> Samples:
         return np.asarray((scale * (jacobian(x * units) * units).T).T)
 
+    # Levenberg and Marquardt's method needs no solution to exist: it spreads the misfit over all gaps. The heavy rows,
+    # the drive and the angles of guides, count a million times as much in the sum of squares, since a drive that is off
+    # is no answer to the question which joint is open.
     x = least_squares(lambda x: weights * relative(x), q / units, lambda x: (weights * slope(x).T).T, method="lm").x
+    # Gaps are compared to two digits: the joints of a symmetric linkage share a misfit equally, and the last digits
+    # would choose one by rounding, another one on another machine.
     worst = max(reversed([*joints]), key=lambda joint: float(f"{np.linalg.norm(relative(x)[joints[joint]]):.2g}"))
     rows = joints[worst]
     others = np.delete(np.arange(len(x)), rows)
 
+    # Now the least gap of that joint alone, with all other constraints as equations (sequential quadratic programming).
+    # Where the others cannot be closed even so, more than one joint is to blame, and none is named.
     def square(x: Samples) -> tuple[Any, Samples]:
         own = relative(x)[rows]
         return own @ own, 2 * own @ slope(x)[rows]
@@ -136,5 +153,6 @@ def joint_rows(pins: Sequence[Pin], sliders: Iterable[str]) -> dict[str, list[in
 
 def blocks(q: Samples) -> Iterator[slice]:
     """Yield the rows of n poses in turn, of which the Jacobians fit in memory, by coordinates of shape (n, ...)."""
+    # A dense Jacobian of m coordinates has m^2 numbers a pose: so many poses fit in 8 MB of doubles.
     rows = max(BLOCK // (q.size // len(q)) ** 2, 1)
     yield from (slice(first, first + rows) for first in range(0, len(q), rows))

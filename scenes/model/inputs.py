@@ -82,6 +82,8 @@ def passing(scene: "Scene", position: ArrayLike, time: ArrayLike | None = None, 
     shapes = [given.shape for given in (position, time) if given is not None]
     if any(not 0 < len(shape) <= axes for shape in shapes) or len({shape[-1] for shape in shapes}) > 1:
         raise InputError(f"position, time: expected the shape (n,) of both, found {' and '.join(map(str, shapes))}")
+    # At a constant speed rate and acceleration are left without an axis of instants: they are the same at all of them,
+    # and many positions of many machines would repeat them.
     if isinstance(law, ConstantSpeed):
         instants = (position - law.start) / law.speed if time is None else time
         return Inputs(instants, (position[..., np.newaxis], np.asarray(law.speed)[..., np.newaxis], np.zeros(1)))
