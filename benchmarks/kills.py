@@ -40,6 +40,8 @@ def broken(name: str, moments: int, draw: random.Random) -> int:
         whole = completed(job)
         print(f"{name}: a whole run takes {whole:.1f} s of processor time", flush=True)
         for _ in range(moments):
+            # Moments are uniform over the processor time of a whole run, by a seed that is fixed, so that the same
+            # moments come again.
             found = killed(job, place, draw.uniform(0, whole))
             after, rest = "new", set[str]()
             if "--full" not in job:  # of which the next whole run comes at the end

@@ -24,6 +24,8 @@ def ratios(runs: int = 5) -> Mapping[str, tuple[float, float]]:
     Args:
         runs: of each job and of the imports.
     """
+    # The least of several runs is taken, not the mean: other programs only ever add time, so the fastest run is nearest
+    # to what the job itself costs. The ratio to the imports makes a figure that another machine can be held to.
     imports, least = float("inf"), dict.fromkeys(JOBS, float("inf"))
     with TemporaryDirectory() as folder:
         for _ in range(runs):

@@ -94,6 +94,7 @@ def positions_of_many() -> list[tuple[str, str, str, str]]:
             "prepared, machine code": lambda: fast(angles),
         }
     )
+    # The yardstick is what a position of one machine costs in a run so long that calls and their overhead do not count.
     unit, name = took.pop("long") / 72_000 * 200, "200 positions of one long run"
     size = f"64 machines x 200 angles, {len(scene.moving_points)} joints"
     return [(f"{size}, {what}", *share(time / 64, unit, name)) for what, time in took.items()]
@@ -162,6 +163,8 @@ def derivatives() -> list[tuple[str, str, str, str]]:
             "derivatives": lambda: analytic.derivatives(scene, paths, angles),
         }
     )
+    # At two positions the work is the preparation alone, which is taken off; what is left grows with the positions and
+    # is compared with a plain solve of as many.
     each = (took["derivatives"] - took["few"]) / len(paths)
     return [
         (

@@ -88,6 +88,8 @@ def family(job: Sequence[str], workers: int, out: Path, like: Path, *, kill: boo
         own = psutil.Process(process.pid)
         members = int(job[-1].rpartition(":")[2])
         for number, _ in enumerate(line for line in process.stdout if " ok " in line):
+            # The first members carry the start of the workers, the last ones wait for each other: processor time is
+            # read after one member of each worker and before the last two, and is shared out over the members between.
             if number in (workers, members - 2):
                 marks.append((number, perf_counter(), used([own]), used(own.children(recursive=True))))
             if kill and number == members // 2:
@@ -97,6 +99,8 @@ def family(job: Sequence[str], workers: int, out: Path, like: Path, *, kill: boo
     tables = [next(where.glob("*/family.csv")).read_bytes() for where in (out, like)]
     same = "the same" if tables[0] == tables[1] else "ANOTHER"
     told = f"{workers}, one killed" if kill else f"{workers}"
+    # On two free cores one worker has one of them to itself while the command uses the other. Two workers and the
+    # command share both cores, so a member takes half of all the processor time.
     free = of_workers if workers == 1 else (of_command + of_workers) / 2
     cells = [f"{seconds:.3f} s" for seconds in (of_command, of_workers, on_wall, free)]
     if kill:  # a killed process takes its time along

@@ -78,6 +78,8 @@ def run(number: int, file: Path) -> Run:
     """Run one scene through the whole pipeline."""
     with TemporaryDirectory() as out, TemporaryFile("w+") as errors:
         command = [sys.executable, "-m", "compare.run", str(file), "--samples", "36", "--out", out]
+        # A session of its own, so that the timer can kill the run with all its workers: else those would go on beside
+        # the next runs, and their memory would count as these runs' own.
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True)
         timer = Timer(PATIENCE, os.killpg, (process.pid, signal.SIGKILL))
         timer.start()

@@ -44,10 +44,14 @@ def study(folder: Path, count: int, engines: Sequence[str], out: Path, *, elemen
     done = set(pd.read_csv(out, usecols=["number"])["number"]) if out.exists() else set()
     for number, scene in enumerate(clean_scenes(folder, count, elements=elements, rough=True)):
         if number not in done:
+            # The ladder of accuracies costs several times a tier, so each scene runs it at one sampling, by turns: over
+            # many scenes all samplings are covered alike.
             wanted = dict.fromkeys(SAMPLES, TIERS) | {SAMPLES[number % 3]: ACCURACIES}
             rows = [{"number": number, **asdict(record)} for record in records(scene, wanted, engines)]
             pd.DataFrame(rows).to_csv(out, mode="a", header=not out.exists(), index=False)
             print(f"{number + 1} of {count}: {scene.name}", flush=True)
+    # Empty texts stay texts: only errors may be missing. By default pandas would turn statuses and reasons that are
+    # empty into NaN.
     return pd.read_csv(out, keep_default_na=False, na_values={"error": [""], "drive": [""]})
 
 

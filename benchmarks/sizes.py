@@ -52,6 +52,9 @@ def _row(case: str, scene: str, arguments: Sequence[str], folder: Path) -> str:
 def cost(arguments: Sequence[str]) -> tuple[int, str, str]:
     """Run the command line as a process of its own, and return its status, processor time and memory."""
     process = Popen([sys.executable, "-m", "compare.run", *arguments], stdout=DEVNULL)
+    # `wait4` alone tells what one child used; `getrusage` would add up all children that have ended, and its memory
+    # would be the largest of all cases. `ru_maxrss` is in KiB on Linux, of the child or of the largest of its own
+    # children.
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)  # it is waited for
     return process.returncode, f"{used.ru_utime + used.ru_stime:.0f} s", f"{used.ru_maxrss / 1024:.0f} MB"

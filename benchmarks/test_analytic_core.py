@@ -60,6 +60,8 @@ def test_cost_is_linear_in_dyads(tmp_path: Path) -> None:
     solvers = {dyads: analytic.solver(scenes.load(chain(dyads, tmp_path))) for dyads in LENGTHS}
     jobs = {str(dyads): partial(solve, DEGREES) for dyads, solve in solvers.items()}
     took = np.array([*seconds(jobs, ROUNDS).values()])
+    # Linear cost: a straight line fits, and the slope between the longest chains is that between short ones. The line
+    # alone would let a small quadratic part through, the slopes alone would fail by the noise of one length.
     slope, offset = np.polyfit(LENGTHS, took, 1)
     residual = np.abs(took - offset - slope * np.array(LENGTHS)).max()
     each = np.diff(took) / np.diff(LENGTHS)

@@ -49,6 +49,7 @@ def test_drawing_figures_holds_up_the_page_no_longer_than_its_text(browser: "Bro
         page.wait_for_timeout(1000)
         loaded = page.evaluate("performance.getEntriesByType('navigation')[0].loadEventEnd")
         before, after = (
+            # Browsers report only tasks of 50 ms and more: without any the longest one is taken for 50 ms.
             max((time for start, time in page.evaluate("tasks") if (start >= loaded) == late), default=50.0)
             for late in (False, True)
         )
@@ -110,6 +111,8 @@ def test_an_edit_takes_less_than_a_frame(browser: "Browser", bench: "Page") -> N
 
         best = np.inf
         for _ in range(8):
+            # Processor time of the renderer process by the browser's own protocol. A clock of the page would count what
+            # other processes take, and is rounded on purpose against timing attacks.
             before = used()
             bench.evaluate(f"{run}({times})")
             best = min(best, used() - before)

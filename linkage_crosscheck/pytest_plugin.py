@@ -148,6 +148,7 @@ class ChannelGroup(pytest.Item):
             yield judgement
             return
         engine, group = self._names
+        # The item "comparison" stands for what belongs to no engine that was judged.
         if engine not in judgement.verdicts:
             yield from (miss.text for miss in judgement.misses if miss.engine not in judgement.verdicts)
             return
@@ -161,6 +162,8 @@ class ChannelGroup(pytest.Item):
 
 def _check_names() -> None:
     """Fail in one line where a module of the project has the name of one that is needed."""
+    # `find_spec` finds where a package would come from and runs nothing of it: a project that has a `compare` of its
+    # own is told so before that is imported in place of this one.
     home = Path(__file__).parents[1]
     for name in ("analytic", "compare", "scenes", "sim_models"):
         spec = find_spec(name)

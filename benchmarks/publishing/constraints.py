@@ -33,6 +33,9 @@ def versions() -> dict[str, str]:
     found: dict[str, str] = {}
     left = [*declared()]
     seen: set[tuple[str, frozenset[str]]] = set()
+    # A transitive closure over installed packages: a requirement counts where its marker holds here, with the extras
+    # that it is asked for with. A package that is asked for with other extras is visited again, since more may follow
+    # from these.
     while left:
         wanted = left.pop()
         name, extras = canonicalize_name(wanted.name), frozenset(wanted.extras)

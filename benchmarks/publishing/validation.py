@@ -76,6 +76,8 @@ def agreement(file: Path, values: pd.DataFrame, folder: Path) -> Agreement:
         scene = load(file)
         reference = establish(scene)
         way = "time" if (values["time"] != "").all() else "drive_position"
+        # A position that the drive passes forth and back has two values of one channel. Numbered by their occurrence,
+        # the values become tables in each of which the axis is unique, as a result needs it.
         again = values.groupby([way, "channel"]).cumcount()
         found = [judged(reference, own, way, folder / scene.name) for _, own in values.groupby(again)]
     except InputError as error:
@@ -90,6 +92,8 @@ def judged(reference: Reference, values: pd.DataFrame, way: str, file: Path) -> 
     """Return how numbers are judged as a result, and the largest ratio of an error and its tolerance."""
     scene = reference.scene
     drive = "time" if way == "time" else scene.drive_channel
+    # Texts stay texts on the way into the CSV file, so that the result is read with the digits of its source; only the
+    # order is by number.
     rows = values.sort_values(way, key=lambda texts: texts.astype(float))
     table = rows.pivot(index=way, columns="channel", values="value").loc[rows[way].unique()]
     most = rows.pivot(index=way, columns="channel", values="tolerance").loc[table.index].astype(float)

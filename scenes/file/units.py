@@ -70,7 +70,7 @@ def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = ())
     """How many of the SI unit a unit is; InputError, with its place and the nearest, where it is none of that name."""
     shown, expected = one_line(unit, 40), "a product of powers of unit names, such as kg*m**2 or kN/mm"
     # The grammar is narrower than pint's own, on purpose: pint evaluates numbers in brackets and powers too, and a text
-        # such as "9**9**9" would keep it busy for hours.
+    # such as "9**9**9" would keep it busy for hours.
     if _PRODUCT.fullmatch(unit):
         expected = f"a known unit of {name}"
         if _SMALLEST <= (size := _factor(unit, si)) <= _LARGEST:

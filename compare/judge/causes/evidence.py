@@ -78,6 +78,8 @@ class Evidence:
 
     def left(self, predicted: Channels) -> float:
         """Return the rest that a prediction leaves over."""
+        # The square of the distance is a sum over channels. Most predictions change few channels, so that only these
+        # terms of the sum are found anew.
         squares = {c: float(np.sum(self.difference(c, predicted[c]) ** 2)) for c in predicted if c in self.off}
         change = sum(square - self.off[c] for c, square in squares.items())
         left = float(np.sqrt(max(self.total + change, 0.0) / self.total))
@@ -139,6 +141,9 @@ class Evidence:
         """
         x, now = np.zeros(len(steps)), predict(np.zeros(len(steps)))
         for _ in range(rounds):
+            # Gauss and Newton's method with slopes by differences, one prediction a number. Where the whole change
+            # leaves more than before, shorter ones are tried: with the numbers far off a linkage may not close, or a
+            # dead point be passed. It ends where a round gains less than a hundredth, or no shorter change gains.
             ways = [predict(x + step) for step in np.diag(steps)]
             if not all((now, *ways)):
                 return x, {}
@@ -171,6 +176,9 @@ def least_squares(columns: NDArray[np.float64], target: Samples) -> Samples:
     size = np.linalg.norm(columns, axis=0)
     if not (np.isfinite(size).all() and np.isfinite(target).all()):
         return np.zeros(len(size))
+    # Columns are brought to unit length first, so that `rcond` compares directions, not the units of the numbers.
+    # Directions that the columns hold to less than a millionth get nothing: the amounts of two nearly equal columns
+    # would else be large and of opposite sign.
     size[size == 0] = np.inf
     return np.asarray(np.linalg.lstsq(columns / size, target, rcond=1e-6)[0] / size)
 

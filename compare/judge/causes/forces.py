@@ -55,6 +55,10 @@ class Carried(MotionVectors):
         The law is repeated, as the joints carry friction.
         """
         true, rubbing = self.motion.samples, self.scene.channels.names(Role.friction)
+        # A fixed point: friction follows from the joint forces, and these from friction. Joint forces are those as they
+        # should be, less what friction was part of, plus the pushes, plus the friction of the round before. It
+        # converges as a geometric series, whose ratio is about the coefficient of friction times the ratio of pin to
+        # link.
         before, pushed = self._of(*self.resisting), self._of(*pushes)
         now = {**true}
         for _ in range(ROUNDS if rubbing else 1):
@@ -65,6 +69,8 @@ class Carried(MotionVectors):
 
     def _of(self, *pushes: Push) -> Channels:
         """Return by how much the force channels change where bodies are pushed; on the ground it is nothing."""
+        # With more generalised forces dQ on the same motion, J^T (dλ) = -dQ, so dλ = -J^-T dQ. In the sum `n` counts
+        # the samples, `m` the coordinates and `c` the force channels.
         forces = generalised(self, pushes, self.evidence.reference.mechanics.size)
         changed = -np.einsum("nm,nmc->nc", forces, self._inverse)
         return dict(zip(self.scene.channels.names(Role.force), changed.T, strict=True))
@@ -153,6 +159,8 @@ def _switches(carried: Carried) -> Iterator[Hypothesis]:
     for load, end in zip(carried.scene.presses.values(), carried.evidence.reference.stroke_ends, strict=True):
         x, v = carried.displacement(carried.scene.bodies[load.body])
         before_end, closing = (end - x) * load.closing, v * load.closing > 0
+        # The length `last` decides only which samples are pressed. All lengths between two samples press the same ones,
+        # so that one in the middle of each gap is tried.
         limits = np.unique(before_end[closing])
         lasts = ((limits[1:] + limits[:-1]) / 2).tolist()
         back = replace(load, closing=-load.closing)
@@ -189,6 +197,9 @@ def _shares(carried: Carried) -> Iterator[Hypothesis]:
 def _friction(carried: Carried) -> Iterator[Hypothesis]:
     """Yield friction in guides and pins; and what the drive's effort alone has, its own or by power lost in a joint."""
     scene, evidence, fits = carried.scene, carried.evidence, []
+    # Three laws of friction for each joint: by the joint's force (Coulomb), of constant size, and by the rate
+    # (viscous). Some programs add friction to the drive alone: there the lost power over the drive's rate is the effort
+    # that makes up for it. Fits of less than nothing are dropped, since friction takes power.
     rate = inputs_of(scene, evidence.true["time"]).driven().rate
     per_rate = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate != 0)
     efforts = {("drive", "dry"): np.sign(rate), ("drive", "viscous"): rate}

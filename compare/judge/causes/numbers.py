@@ -105,6 +105,8 @@ def _nearest(evidence: Evidence, ways: Sequence[Sequence[Channels]]) -> Iterator
     best: list[list[tuple[float, tuple[int, ...]]]] = [[(0.0, ())], [(0.0, ())]]  # by price
     for _ in range(MAX_GROUPS):
         for number, triangle in enumerate(triangles):
+            # Beam search: of the subsets of k groups only the best `MAX_WIDENED` are widened by each further group. All
+            # subsets of four among a hundred groups would be four million fits.
             wider = {
                 tuple(sorted({*subset, k}))
                 for _, subset in best[number][:MAX_WIDENED]
@@ -118,6 +120,8 @@ def _nearest(evidence: Evidence, ways: Sequence[Sequence[Channels]]) -> Iterator
 def _left(triangle: NDArray[np.float64], ends: NDArray[np.intp], subset: Sequence[int]) -> float:
     """Return the price of some groups of columns, by what they leave over."""
     indices = np.concatenate([np.arange(ends[k], ends[k + 1]) for k in subset])
+    # With A = Q R and orthonormal Q, distances among columns of A are those among columns of R, which has as many rows
+    # as there are columns instead of one for each sample and channel. The deviation is the last column.
     rest = triangle[:, -1] - triangle[:, indices] @ least_squares(triangle[:, indices], triangle[:, -1])
     return price(float(np.linalg.norm(rest)), len(indices))
 
@@ -149,6 +153,8 @@ def _solved(
     counts = [len(group.directions) for group in groups]
     amounts = np.split(x, np.cumsum(counts)[:-1])
     yield from _named(groups, amounts, predicted)
+    # A group beside the right ones may have been fitted to rounding alone: the same numbers without each of them are
+    # hypotheses too, and are cheaper by what they leave out.
     for kept in combinations(range(len(groups)), len(groups) - 1) if len(groups) > 1 else ():
         rest = x * np.repeat([number in kept for number in range(len(groups))], counts)
         yield from _named([groups[k] for k in kept], [amounts[k] for k in kept], predict(rest))

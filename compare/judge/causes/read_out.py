@@ -32,6 +32,8 @@ def read_out_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 
 def in_some_rows(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what acts in the rows from the first to the last that are off, and in no others; where these are few."""
+    # A fault that is there in some rows alone leaves all others right to rounding. The rows between the first and the
+    # last that are off are explained by themselves; the price has one number more, for the choice of the rows.
     bad = np.flatnonzero(evidence.by_row >= RIGHT_SAMPLE_TOL * evidence.by_row.max())
     kept = np.arange(bad[0], bad[-1] + 1)
     if not MIN_ROWS <= len(kept) < len(evidence.rows):
@@ -141,6 +143,8 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         owner = {x: pins.get(place, scene.owners.get(place, (GROUND,)))[end] for x, place in places.items()}
         cause = part.cause(Kind.frame, "{part} {is} in the frames of the {one} bodies at the joints", names=(position,))
         yield Hypothesis(cause, turned({x: np.exp(-1j * state.angle(name)) for x, name in owner.items()}))
+    # With vectors as complex numbers, the angle that turns the right ones nearest to the given ones, by least squares,
+    # is that of the sum of given times conjugate right ones (the orthogonal Procrustes problem in the plane).
     weight = {x: evidence.scale[x] ** -2 for x in vectors}
     angle = float(np.angle(sum(complex(np.sum(weight[x] * given[x] * vectors[x].conj())) for x in vectors)))
     if abs(abs(angle) - pi) <= KNOWN_NUMBER_TOL:
@@ -210,6 +214,9 @@ def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         for x, y in pairs:
             point = evidence.channels[x].subject
             body, place = scene.owners[point][end], state.place(point)
+            # The acceleration of a point P of a body is a_0 + (i alpha - omega^2) (P - P_0), with complex numbers: the
+            # tangential and the centripetal term. A read-out that forgets one lacks it once; one that has its sign
+            # wrong lacks it twice.
             arm = place - state.place(scene.bodies[body].points[0]) if body != GROUND else 0j * place
             _, omega, alpha = state.turning(body)
             there = (-(omega**2) if term == "centripetal" else 1j * alpha) * arm

@@ -80,6 +80,8 @@ class Watch:
 
     def allowed(self, share: float, since: float) -> float:
         """The processor time, s, that is a share of it and of what was spent since then till the watch began."""
+        # With b s spent before and a table of t s, the table's share of both is t / (b + t); it is at most `share`
+        # where t <= b share / (1 - share).
         return inf if share >= 1 else (self._began - since) * share / (1 - share)
 
 

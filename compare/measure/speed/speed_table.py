@@ -83,6 +83,8 @@ def speed_table(
 
     def error_runs() -> Iterator[tuple[Run, SpeedRow]]:
         for number, engine in enumerate(names):
+            # What is left of the time is divided by the engines that are left, so that what a quick engine does not use
+            # is the later ones'. Engines come in the order asked for, and no later one can take from an earlier one.
             part = EngineShare(
                 watch, (ERRORS * allowed - watch.taken()) / (len(names) - number), *last_run(main, engine)
             )
@@ -188,6 +190,8 @@ def spent(runs: Iterable[Run]) -> float:
 
 def known(runs: Iterable[Run]) -> bool:
     """Whether the fastest solve was reached again and again."""
+    # The least of several times estimates the time without disturbance, since other programs only add to it. How close
+    # the next ones come to it shows how far that estimate may still fall.
     fastest = sorted(run.solve_s for run in runs)[:ALIKE_SOLVES]
     return len(fastest) == ALIKE_SOLVES and fastest[-1] <= (1 + AGREE) * fastest[0]
 
@@ -227,6 +231,9 @@ def take_turns(
                 numbers = [n for n in in_doubt([*map(fastest, every)]) if not known(times[n])]
             for _, settings in groupby(numbers, engines.__getitem__):
                 batch, done_s = [*settings], spent(chain.from_iterable(times))
+                # The processor time that would be spent before each run of the batch, if each took as long as its
+                # fastest so far: a run begins only where the budget has not ended before it and would not be overrun by
+                # it.
                 taken = [*accumulate([done_s, *map(fastest, batch)])]  # before each, and after the last
                 in_turn = zip(batch, taken, taken[1:], strict=False)
                 if chosen := [n for n, before, after in in_turn if before < end and after <= budget.most_s]:
@@ -262,6 +269,9 @@ def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> li
     doubtful: set[int] = set()
     for places in contests:
         ratio = np.array(times)[places] / min(times[place] for place in places)
+        # Which setting is named depends on the ratio of its time to the fastest. Far from the limit of a tie no
+        # plausible error of a time moves the ratio across it; only settings near the limit, on a logarithmic scale, are
+        # timed again, and the fastest itself, by which all others are divided.
         near = (np.abs(np.log(ratio / (1 + TIE_TOL))) < np.log(MAX_DOUBTED_RATIO)) & (ratio > 1)
         if near.any():
             doubtful |= {int(place) for place in places[near | (ratio == 1)]}

@@ -156,6 +156,7 @@ def as_fast(points: Iterable[SpeedRow], error: str, limit: float, tie: float = T
 def front(points: Iterable[SpeedRow], error: str, tie: float = TIE_TOL) -> list[SpeedRow]:
     """Every setting without a note that is the cheapest for some error, fastest first; the Pareto front."""
     plain = [row for row in points if not row.note]
+    # The front changes only at the errors of settings, so each of these is tried as the limit.
     best = {id(row) for limit in plain for row in as_fast(plain, error, limit.error(error), tie)[:1]}
     return sorted((row for row in plain if id(row) in best), key=attrgetter("solve_min_s"))
 
@@ -258,6 +259,8 @@ def _order(x: Samples, y: Samples) -> tuple[float, float, list[float]]:
     """Return order, residual and local orders of the longest straight run of settings, or else of all."""
     if len(x) < MIN_POINTS:
         return nan, nan, []
+    # All stretches of neighbouring settings are tried, a few dozen for the sizes that families have. Of equally long
+    # straight ones the coarsest counts, which is the farthest above any floor.
     runs = (slice(i, j) for i in range(len(x)) for j in range(i + MIN_POINTS, len(x) + 1))
     straight = [run for run in runs if _line(x[run], y[run])[1] <= STRAIGHT_TOL]
     best = max(straight or [slice(0, len(x))], key=lambda run: run.stop - run.start)
@@ -277,6 +280,8 @@ def step_costs(speed: Sequence[SpeedRow]) -> Iterator[StepCost]:
     """
     for points in (points for points in families(speed, "steps_made") if len(points) >= MIN_POINTS):
         time, steps = np.array([(row.solve_min_s, row.steps_made) for row in points]).T
+        # Divided by its time, every setting has the equation fixed / time + step steps / time = 1. Without that the
+        # slowest runs, whose errors are the largest in seconds, would decide alone, and the fixed cost would be noise.
         relative = np.column_stack([1 / time, steps / time])
         (fixed, step), *_ = np.linalg.lstsq(relative, np.ones(len(time)))
         residual = float(np.sqrt(np.mean((relative @ (fixed, step) - 1) ** 2)))

@@ -231,6 +231,8 @@ def demands(scene: Scene, places: Mapping[str, int]) -> Iterator[Mapping[str, An
 def _sums(scene: Scene) -> Iterator[tuple[str, Signs]]:
     for body in scene.bodies.values():
         for point, bases in body.bases.items():
+            # Which side is the longest depends on the numbers that the reader types, so all three triangle inequalities
+            # are demanded.
             sides = [_length(body, *pair) for pair in combinations((*bases, point), 2) if len(bases) == 2]
             text = f"the triangle of {', '.join((*bases, point))} cannot close"
             yield from ((text, {side: -1 if side == longest else 1 for side in sides}) for longest in sides)

@@ -70,6 +70,8 @@ def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
         of_a_joint = study.scene.channels[panel.judged[0]].group == "reaction"
         return of_a_joint, -max(worst.get(channel, 0.0) for channel in panel.judged)
 
+    # Panels of the output and of the drive are always drawn; of joints those with the largest errors, NaN as infinite.
+    # The panels drawn keep their order.
     first = sorted(every, key=rank)[:MAX_PANELS]
     return [panel for panel in every if panel in first], [panel for panel in every if panel not in first]
 
@@ -133,6 +135,8 @@ def over_angle(study: Study, panel: Panel, before: Motion | None = None) -> Figu
         engine, there, first, turns = m.run.engine, along, number, len(study.measurements)
         if m.foreign:  # at instants of its own: marked by itself, where the others take turns
             there, first, turns = m.comparison.axis, 0, 1
+        # Markers of engines that agree would cover each other: the engines share the places out, each at every n-th in
+        # turn.
         stride = max((m.asked.count if m.foreign else study.sampling.samples) // MARKERS, 1)
         rows = slice(first * stride, None, turns * stride)
         for curve in (curve for curve in panel.curves if all(c in motion for c in curve.factors)):

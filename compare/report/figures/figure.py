@@ -132,6 +132,10 @@ def extremes(x: Samples, y: Samples, most: int = MAX_POINTS) -> NDArray[np.intp]
     n, stretches = len(x), max(most // POINTS_OF_STRETCH, 1)
     if n <= most:
         return np.arange(n)
+    # Shape (stretches, rows in each); the last stretch is filled up with the last row. M4 keeps of each the first and
+    # last row and the rows of the least and the largest value: at one stretch a pixel column, the line drawn is the
+    # same to the pixel as that through all rows. Extremes along x matter too, for curves that turn back. Without a gap
+    # `argmax` gives the first row, which is kept anyway.
     rows = np.minimum(np.arange(stretches * -(-n // stretches)), n - 1).reshape(stretches, -1)
     kept = [rows[:, 0], rows[:, -1]]
     for values in (np.asarray(x, float)[rows], np.asarray(y, float)[rows]):

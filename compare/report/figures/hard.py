@@ -54,6 +54,7 @@ def _cells(rows: pd.DataFrame) -> dict[str, Any]:
     for error, status in ((cell["error"], Status[str(cell["status"])]) for cell in cells):
         rounded = f"{error:.0e}".replace("e-0", "e-").replace("e+00", "")
         texts.append(LETTERS.get(status, rounded))
+        # Colours go with the logarithm of the error, from `LEAST` to 1; what is beyond has the colour of the end.
         share = 1 - np.log10(min(max(error, LEAST), 1.0)) / np.log10(LEAST)
         shades.append(graded(share) if status is Status.ok else FAILED)
     place = {"x": pd.factorize(rows["label"])[0], "y": pd.factorize(rows["steps"], sort=True)[0]}
@@ -77,6 +78,8 @@ def _boundary(rows: pd.DataFrame) -> tuple[Sequence[float], Sequence[float]]:
     """The line where theory has the runs begin to hold, between the columns by the logarithm."""
     across = rows.drop_duplicates("label")["x"].to_numpy(float)
     needed = rows.groupby("steps")["needed"].first().to_numpy(float)
+    # Columns stand at 0, 1, 2, ... whatever their values, which are roughly a geometric series: between two columns the
+    # line is where the logarithm of what is needed lies between theirs.
     x = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
     return [x[0], *x, x[-1]], [-0.5, *range(len(needed)), len(needed) - 0.5]
 

@@ -89,6 +89,8 @@ def histograms(study: MonteCarlo) -> Figure:
     for number, s in enumerate(shown, start=1):
         values = by_name[s.name][~np.isnan(by_name[s.name])]
         factor, unit = named.get(s.unit) or prefixed(abs(s.nominal), s.unit)
+        # As many bins as the square root of the machines, a usual rule: each then holds about as many machines as there
+        # are bins.
         density, edges = np.histogram(factor * values, min(BINS, max(10, int(values.size**0.5))), density=True)
         steps = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
         draw(figure, "machines", *steps, number, line={"color": colour(0)}, fill="tozeroy")

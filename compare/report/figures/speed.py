@@ -82,6 +82,8 @@ def _front(points: Sequence[SpeedRow], error: str) -> tuple[Samples, Samples]:
     best = front(points, error, tie=0)
     if not best:
         return np.zeros(0), np.zeros(0)
+    # The front is a staircase. It comes down from the largest error at the fastest time, and goes on to the longest
+    # time with the smallest error, so that its first and last settings are corners like all others.
     times, errors = _values(best), _values(best, error)
     longest, largest = np.nanmax(_values(points)), np.nanmax(_values(points, error))
     return np.array([times[0], *times, longest]), np.array([largest, *errors, errors[-1]])

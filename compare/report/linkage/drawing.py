@@ -53,6 +53,9 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
             R = motion[components[0]] + 1j * motion[components[1]]
             line: tuple[str, Vectors | float] = ("", 0.0)
             if moment in rubbing and moment in motion:
+                # A force R at the pin and the moment M of friction about it are one force R on a parallel line. The
+                # offset a of that line is at a right angle to R and has a x R = M: with complex numbers a = -i M /
+                # conj(R). The line touches the friction circle, which is how the picture shows it.
                 line = moment, -1j * motion[moment] / np.where(R == 0, 1.0, R.conj())
             name = f"{pin.channel}: {pin.first} on {pin.second}"
             yield Arrow(name, pin.point, R, components, moment=line[0], aside=line[1])
@@ -84,6 +87,8 @@ class Drawing:
         self.arrows = [*arrows(scene, motion, motion)]
         every = [self, *others]
         sizes = [np.sort(np.abs(arrow.force)) for drawing in every for arrow in drawing.arrows]
+        # Arrows are scaled by the size that 98 % of the samples stay below, not by the peak: near a singular pose
+        # forces grow without bound, and by the peak all other arrows would be dots. Longer arrows leave the picture.
         usual = max((float(size[-1 - len(size) // 50]) for size in sizes), default=0.0)  # a singular pose has larger
         peak = usual or max((float(size[-1]) for size in sizes), default=0.0)
         self.per_newton, self.scale_text = _scale(peak, every, named or suited(scene.units, [("N", peak)]))
@@ -96,6 +101,8 @@ class Drawing:
             (friction.at, self.per_metre * arm) for friction, arm in arms.items()
         ]  # of friction: the pin, the radius
         largest = max((radius for _, radius in self.circles), default=0.0)
+        # Friction circles to scale are often smaller than the sign of a pin. All are magnified by one round factor, so
+        # that they compare with each other.
         self.larger = next((n for n in LARGER if n * largest >= CIRCLE), LARGER[-1]) if largest else 1
         foot, free = FOOT * (bool(self.scale_text) + bool(self.circles)), margin / self.per_metre
         self.size = self.per_metre * across.real + 2 * margin, self.per_metre * across.imag + 2 * margin + foot
@@ -155,6 +162,8 @@ def _scale(peak: float, drawings: Sequence[Drawing], named: Units) -> tuple[floa
         return 0.0, ""
     places = np.concatenate([way for drawing in drawings for way in drawing.places.values()])
     (per_newton, newtons), (per_metre, metres) = named["N"], named["m"]
+    # The legend's force is the largest of 1, 2 or 5 times a power of ten that is not above the peak. Its length on
+    # paper is rounded to two digits, and arrows follow that rounded length, so that the legend is exact.
     power = 10.0 ** floor(log10(per_newton * peak))
     force = next(share * power for share in (5, 2, 1) if share * power <= per_newton * peak)
     longest = MAX_ARROW * max(np.ptp(places.real), np.ptp(places.imag))

@@ -69,6 +69,10 @@ class MovingPicture:
         The reference, finite, is kept as second differences of whole numbers, `quanta` being what they count by row.
         """
         reference, *others = (table[:, self.rows] for table in self._tables)
+        # Fixed point with 28 bits of the row's largest value, 4e-9 of it. The second difference of a smooth row is
+        # small, so that its upper bytes are nearly all 0 or 255, which gzip takes to little. Two zeros in front make
+        # the first two values second differences as well; the page adds up twice. The sums stay below 2^31, as |d| <= 4
+        # * 2^28.
         quanta = np.maximum(np.abs(reference).max(axis=1), 1e-300) / WHOLE
         whole = np.round(reference / quanta[:, np.newaxis]).astype("<i4")
         second = np.diff(whole, 2, axis=1, prepend=np.zeros((len(whole), 2), "<i4"))
@@ -85,6 +89,8 @@ class MovingPicture:
         count, most = reference.shape[1], max(MAX_NUMBERS // sum(map(len, self._tables)), LEAST)
         if count <= min(SAMPLES, most):
             return np.arange(count)
+        # Half of the samples are evenly spaced. The other half is where a channel is largest, engines' differences
+        # first: a single sample with a large error must not fall between two samples of the picture.
         evenly = np.linspace(0, count - 1, min(SAMPLES, most) // 2).round().astype(np.intp)
         tables = [np.where(np.isfinite(t), np.abs(t), -1.0).argmax(axis=1) for t in (*others, reference)]
         return np.unique([*evenly, *[*dict.fromkeys(np.concatenate(tables).tolist())][: len(evenly)]])

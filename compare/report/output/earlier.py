@@ -139,6 +139,8 @@ class Before:
 def before(summary: Summary, path: Path, scene: Scene) -> Before:
     """An earlier run by its summary, and the motion that lies beside that, if it can be read."""
     samples, ground = dict[str, Samples](), dict[str, tuple[float, float]]()
+    # An earlier run is shown as far as it can be read. Its files may be of any age, or edited, and no error in them is
+    # one of this run.
     with suppress(InputError, OSError, ValueError, KeyError, TypeError, AttributeError):
         ground = {str(point): (float(x), float(y)) for point, (x, y) in summary.scene["ground"].items()}
         names, *rows = read_text(_file(path, scene).with_name("motion.analytic.csv"), MAX_MOTION_BYTES).splitlines()
@@ -161,6 +163,9 @@ def at_positions(scene: Scene, motion: Motion, later: Motion) -> Motion:
     interpolated = {"time": later["time"]}
     for channel in motion.samples.keys() - {"time"}:
         values = motion[channel][order]
+        # A motion of whole turns is periodic but for angles, which gain a turn. The straight line from end to end is
+        # taken off, what is left is interpolated with the turn as its period, and the line is added again. Of a motion
+        # that is no whole turn the line changes nothing, since interpolation is linear, and beyond its ends is NaN.
         slope = (values[-1] - values[0]) / (np.ptp(x) or 1.0)
         interpolated[channel] = np.interp(wanted, x, values - slope * x, np.nan, np.nan, turn) + slope * wanted
     return Motion(interpolated)

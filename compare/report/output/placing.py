@@ -79,6 +79,10 @@ def placed(folder: Path, name: str, patterns: Sequence[str]) -> Iterator[Path]:
     made = not place.parent.exists()
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
+        # Two locks. That of the parent folder is held only while the folder aside is made and while places are
+        # exchanged, so that runs of different scenes do not wait for each other. That of the folder aside is held until
+        # the end: it tells a later run's `_clean` that its owner lives. After the exchange the folder aside is the
+        # older result, and its removal is last.
         with ExitStack() as held:
             with _locked(place.parent):
                 _clean(place)
@@ -133,6 +137,7 @@ def _clean(place: Path) -> None:
     for left in place.parent.iterdir():
         if not re.fullmatch(rf"\.{re.escape(place.name)}-[0-9a-f]{{8}}({OLDER})?", left.name):
             continue
+        # A run was killed between the two renames of a system that has no exchange: the result is away and is put back.
         if left.name.endswith(OLDER) and not place.exists():
             left.rename(place)
             continue
@@ -157,6 +162,7 @@ def _carry_over(older: Path, new: Path, patterns: Sequence[str]) -> None:
 
 def _linked(path: str | Path, target: str | Path) -> None:
     try:
+        # Hard links: files that are not of the result may be large, and are only carried from one folder to the next.
         os.link(path, target, follow_symlinks=False)
     except (OSError, NotImplementedError):
         shutil.copy2(path, target, follow_symlinks=False)
@@ -181,6 +187,8 @@ def _exchanged(first: Path, second: Path) -> bool:
     """Exchange two folders in one step, if the system can."""
     if sys.platform != "linux":
         return False
+    # `renameat2` with RENAME_EXCHANGE is one step for every reader: at no moment is there no result. Python has no call
+    # of its own for it. A file system that does not know it returns an error, and two renames are made instead.
     rename = getattr(ctypes.CDLL(None), "renameat2", None)
     paths = AT_FOLDER, os.fsencode(first), AT_FOLDER, os.fsencode(second)
     return rename is not None and not rename(*paths, ctypes.c_uint(EXCHANGE))
@@ -197,6 +205,8 @@ def _locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
     with ExitStack() as held:
         ours = False
         with suppress(OSError):  # it is another run's
+            # `flock` on an open folder: the kernel frees it when the process ends, however it ends, and no lock file is
+            # left behind.
             file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
             held.callback(os.close, file)
             for _ in range(TRIES if wait else 0):

@@ -84,6 +84,8 @@ def _column(kind: str, members: Sequence[dict[str, Peak]], named: Units) -> tupl
     largest = max((abs(numbers[scaled_by].value) for numbers in members if scaled_by in numbers), default=0.0) or 1.0
     first = next(numbers[kind] for numbers in members if kind in numbers)
     factor, unit = named.get(first.unit) or prefixed(largest, first.unit)
+    # All numbers of a column have the same number of decimals, by which its largest has five significant digits:
+    # smaller ones are then as fine in absolute terms, and members can be compared down the column.
     decimals, joint = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9), _at_a_joint(first)
 
     def text(peak: Peak) -> str:

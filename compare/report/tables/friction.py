@@ -73,6 +73,9 @@ def _efficiency(study: Study) -> Iterator[str]:
     """Yield what of the drive's work the loads take in a cycle, and while they take power."""
     scene, cycle, name = study.scene, study.reference.cycle, cycle_name(study.scene)
     state, work = MotionVectors(scene, cycle), partial(written, si="J", shown=units(study.reference))
+    # The work of a load is the integral of its power over the cycle. Efficiency is what the loads take of what the
+    # drive gives; it means nothing where the loads give work on balance, or where the drive brakes on balance, hence
+    # the cases.
     power, pressed = drive_power(state), state.pressed(study.reference.stroke_ends)
     pushes = (push for load in scene.loads for push in of_element(pressed, load))
     taken = -sum((power_of(pressed, push) for push in pushes), np.zeros_like(power))  # of all loads
@@ -117,6 +120,8 @@ def _jam(scene: Scene) -> str:
 
     if not jams(MAX_FACTOR):
         return f"It does not jam with {MAX_FACTOR:g} times its coefficients of friction."
+    # Bisection over a geometric series of factors, 13 runs instead of 8193, for three digits of the factor. It takes
+    # for granted that what jams jams with more friction too; the first factor is known to move, the last one to jam.
     factors = np.geomspace(1.0, MAX_FACTOR, 2**HALVINGS + 1)
     most = factors[bisect_left(factors, True, 1, len(factors) - 1, key=jams) - 1]
     more = "with more it jams, or its forces are not determined"
@@ -127,6 +132,10 @@ def _locking(study: Study) -> str:
     """Where in a cycle the loads would drive it back without friction, and do not with it."""
     scene, cycle, law = study.scene, study.reference.cycle, study.scene.drive.law
     assert isinstance(law, ConstantSpeed)
+    # A linkage locks itself where the loads alone would drive it back if there were no friction, but do not against
+    # friction. It is solved on the way back through the same positions, with friction and without: where the drive has
+    # to be held back without friction (its power is negative) and has to push with it (zero or more), it is
+    # self-locking.
     backwards = replace(law, speed=-law.speed)
     if law.end is not None:
         backwards = replace(backwards, start=law.end, end=law.start)

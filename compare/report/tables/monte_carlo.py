@@ -164,6 +164,8 @@ def verdicts(study: MonteCarlo) -> Iterator[str]:
         yield f"Yield: {share}; with 95 % confidence {100 * low:.4g} to {100 * high:.4g} %."
     shown = moving(study)
     bends = {s.name: abs(s.linear / s.deviation - 1) for s in shown}
+    # A sampled standard deviation is itself uncertain by 1 / sqrt(2 N) of it, of a normal distribution. Only what is
+    # off by three times that, and by the tolerance besides, is called bent.
     bent = [name for name, share in bends.items() if share > LINEAR_TOL + 3 * sqrt(0.5 / study.count)]  # beyond chance
     if bent:
         listed = ", ".join(f"{name} (off by {percent(bends[name])})" for name in bent)

@@ -53,6 +53,7 @@ def _bounds(study: Judgement, rows: Sequence[Enclosure]) -> Iterator[str]:
 
 def _outwards(value: float, attained: float, sign: int) -> str:
     """A bound as its extreme is written where both read alike, and otherwise rounded away from it."""
+    # What is printed has to be true as a bound: a lower bound is rounded down, an upper one up.
     text = number(value)
     if text == number(attained):
         return text
