@@ -47,7 +47,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from . import quantities
 from .elements.friction import PinFriction
-from .quantities import POWER, TIME, TO_LOCK, TRANSMISSION, Channel, ChannelQuantity, Kind, Names, Role, named
+from .quantities import POWER, TIME, TO_LOCK, TRANSMISSION, Channel, ChannelQuantity, Kind, Names, Role, named, vector
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -190,43 +190,30 @@ def _of_drive(quantity: ChannelQuantity) -> str:
     return quantity.name if quantity.name == "crank_angle" else f"drive.{quantity.name}"
 
 
-def _vector(
-    role: Role, kind: Kind, subject: str, quantities: tuple[ChannelQuantity, ...], point: str
-) -> Iterator[Channel]:
-    """Yield both components of a vector."""
-    names = tuple(f"{subject}.{quantity.name}" for quantity in quantities)
-    for name, quantity in zip(names, quantities, strict=True):
-        yield Channel(name, role, kind, subject, quantity, names, point)
-
-
 def _asked(scene: "Scene") -> Iterator[Channel]:
     """Yield the channels that any model may be asked for, in the order of the files."""
-    driven, (position, effort) = scene.drive.body, quantities.TURNED if scene.drive.slide is None else quantities.SLID
+    driven, (position, _) = scene.drive.body, quantities.TURNED if scene.drive.slide is None else quantities.SLID
     first = {name: body.points[0] for name, body in scene.bodies.items()}
     yield Channel(TIME, Role.time, "time", "", quantities.INSTANT)
     yield Channel(_of_drive(position), Role.input, "drive", driven, position, (), first[driven])
     for point in scene.moving_points:
         for order in range(3):
-            yield from _vector(Role.kinematic, "point", point, quantities.POINT[2 * order : 2 * order + 2], point)
+            yield from vector(Role.kinematic, "point", point, quantities.POINT[2 * order : 2 * order + 2], point)
     for body in scene.turning:
         for quantity in quantities.BODY:
             yield Channel(f"{body}.{quantity.name}", Role.kinematic, "body", body, quantity, (), first[body])
     if not scene.has_masses:
         return
-    for pin in scene.pins:
-        yield from _vector(Role.force, "pin", pin.channel, quantities.PIN, pin.point)
-    for body in scene.slides:
-        for quantity in quantities.GUIDE:
-            yield Channel(f"{body}.{quantity.name}", Role.force, "guide", body, quantity, (), first[body])
-    yield Channel(_of_drive(effort), Role.force, "drive", driven, effort, (), first[driven])
+    for joint in scene.joints:
+        yield from joint.channels(scene)
     for friction in scene.friction:
-        joint = friction.joint(scene)
+        rubbing = friction.joint(scene)
         if isinstance(friction, PinFriction):
             point = friction.pin(scene).point
-            yield Channel(friction.channel(scene), Role.friction, "pin", joint, quantities.RUBBING_PIN, (), point)
+            yield Channel(friction.channel(scene), Role.friction, "pin", rubbing, quantities.RUBBING_PIN, (), point)
         else:
             yield Channel(
-                friction.channel(scene), Role.friction, "guide", joint, quantities.RUBBING_GUIDE, (), first[joint]
+                friction.channel(scene), Role.friction, "guide", rubbing, quantities.RUBBING_GUIDE, (), first[rubbing]
             )
     if scene.friction:
         yield Channel(POWER, Role.friction, "friction", "", quantities.LOST)
@@ -238,7 +225,7 @@ def _besides(scene: "Scene", effort: str) -> Iterator[Channel]:
     The force of a pin whose name would be that of the drive's force has the later body in its name too.
     """
     for slider in scene.slides if scene.has_masses else ():
-        yield from _vector(Role.given, "guide", slider, quantities.GUIDE_AXES, scene.bodies[slider].points[0])
+        yield from vector(Role.given, "guide", slider, quantities.GUIDE_AXES, scene.bodies[slider].points[0])
     for quantity, letter in zip(quantities.RATES, "va", strict=True):
         for point in scene.moving_points:
             both = f"{point}.{letter}x", f"{point}.{letter}y"

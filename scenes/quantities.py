@@ -1,5 +1,6 @@
 """What a channel is: its role, what it is of, and its quantity with unit, group of errors and order."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from typing import Literal, NamedTuple, TypeAlias
@@ -144,3 +145,12 @@ class Channel:
     def header(self) -> str:
         """The heading of its column in files: `P5.y [m]`."""
         return f"{self.name} [{self.unit}]"
+
+
+def vector(
+    role: Role, kind: Kind, subject: str, quantities: tuple[ChannelQuantity, ...], point: str
+) -> Iterator[Channel]:
+    """Yield both components of a vector."""
+    names = tuple(f"{subject}.{quantity.name}" for quantity in quantities)
+    for name, quantity in zip(names, quantities, strict=True):
+        yield Channel(name, role, kind, subject, quantity, names, point)

@@ -5,7 +5,7 @@ branch solver and no derived lengths; each model works those out by its own mean
 models is one the comparison cannot see. What a body as drawn weighs has a second rule in the 50-digit model.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, make_dataclass, replace
 from functools import cached_property
 from math import pi, sqrt
@@ -23,6 +23,7 @@ from .elements.friction import Friction, GuideFriction, PinFriction
 from .elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
 from .elements.springs import Spring, TorsionSpring
 from .fields import FileTable, Finite, Gravity, Number, Place, Position, Positive, Vector, put, walk
+from .joints import Guide, Joint, Pin, SlidingDrive, TurningDrive
 from .quantities import DIMENSIONS
 from .units import SI, units_of_all
 
@@ -60,16 +61,6 @@ class LimitTable(FileTable):
 
     least: Finite | None = Field(None, description="It may never be less.")
     most: Finite | None = Field(None, description="It may never be more.")
-
-
-@dataclass(frozen=True)
-class Pin:
-    """A pin between two bodies at a point they both name; `first` comes first in the file, the ground before all."""
-
-    point: str
-    first: str
-    second: str
-    channel: str  # its channels are `<channel>.fx`, `<channel>.fy`: the force of `first` on `second`
 
 
 E = TypeVar("E", bound=Element)
@@ -159,6 +150,14 @@ class Scene(_Loaded):
         return {name: body.slide for name, body in self.bodies.items() if body.slide is not None}
 
     @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """All that holds two bodies to each other, in the order of the force channels: the drives are last."""
+        guides = (Guide(name, slide) for name, slide in self.slides.items())
+        listed: Iterator[Any] = (element for _, element in self.listed if isinstance(element, Joint))
+        drives = (TurningDrive(drive) if drive.slide is None else SlidingDrive(drive) for drive in self.drives)
+        return (*self.pins, *guides, *listed, *drives)
+
+    @cached_property
     def drawn(self) -> Mapping[str, complex]:
         """Where the scene has the points of the ground and of the sketch, m."""
         return {name: x + 1j * y for name, (x, y) in (*self.ground.items(), *self.sketch.points.items())}
@@ -184,8 +183,8 @@ class Scene(_Loaded):
 
     @cached_property
     def elements(self) -> Sequence[tuple[str, Element]]:
-        """The same without friction, which follows from what the joints carry."""
-        return [(place, element) for place, element in self.listed if not element.by_joints]
+        """The same without joints, and without friction, which follows from what the joints carry."""
+        return [(place, each) for place, each in self.listed if not (each.by_joints or isinstance(each, Joint))]
 
     def of_type(self, kind: type[E]) -> Mapping[str, E]:
         """By place in the file, the elements of a type."""

@@ -20,7 +20,8 @@ from scenes.scene import GROUND
 from .dyads import cross
 from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched_attitude
 from .groups.continuation import Track
-from .groups.group_equations import Group, PinJoint
+from .groups.group_equations import Group
+from .groups.joints import KINDS, PinJoint
 from .numbers import Number, Vector, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
@@ -268,28 +269,12 @@ def _fewest(placed: _Placed, left: list[str]) -> Group:
 
 def _held(group: Group) -> int:
     """The constraints of a group in excess of its degrees of freedom; zero of an Assur group."""
-    return 2 * len(group.pins + group.slides) + (group.drive is not None) - 3 * len(group.bodies)
+    return len(group.parts) - 3 * len(group.bodies)
 
 
 def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
-    """Join bodies that are to be solved together.
-
-    A pin is on a placed point, or else on the first of the bodies that names the point; slides are on each other and
-    on what is placed, and of what is placed on them.
-    """
-    first: dict[str, str | None] = dict.fromkeys(placed.points)
-    pins = []
-    for body in bodies:
-        for point in placed.scene.bodies[body].points:
-            if point in first:
-                pins.append(PinJoint(point, body, first[point]))
-            first.setdefault(point, body)
-
-    def joined(pair: tuple[str, str]) -> bool:
-        return {GROUND, *placed.carries, *bodies}.issuperset(pair) and not {*bodies}.isdisjoint(pair)
-
-    slides = tuple(pair for name, slide in placed.scene.slides.items() if joined(pair := (name, slide.on)))
-    inner = next((pin.point for pin in pins if pin.on is not None), None)
-    name = inner or placed.named(bodies[0], bodies[-1])
-    drive = placed.scene.drive.body, placed.scene.drive.on
-    return Group(bodies, tuple(pins), slides, name, drive if GROUND not in drive and joined(drive) else None)
+    """Join bodies that are to be solved together: to each other, and to what is placed."""
+    known = frozenset((GROUND, *placed.carries))
+    joints = tuple(joint for kind in KINDS for joint in kind.among(placed.scene, bodies, known))
+    inner = next((joint.point for joint in joints if isinstance(joint, PinJoint) and joint.on is not None), None)
+    return Group(bodies, joints, inner or placed.named(bodies[0], bodies[-1]))

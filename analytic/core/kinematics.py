@@ -211,7 +211,7 @@ class Pass(Placing):
             if name in self.scene.bodies:
                 plane = self.fixed(name, self.linkage.bodies[name].first)
                 turn = np.angle(k.u[name]), k.omega.get(name, still.real), k.alpha.get(name, still.real)
-            elif name == "drive":
+            elif name.startswith("/"):
                 turn = self.driven[:3]
                 plane = turn[0] + still, turn[1] + still, turn[2] + still
             elif name != GROUND:

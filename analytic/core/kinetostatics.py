@@ -4,9 +4,8 @@ A group is statically determinate once the groups that hang on it have passed on
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -159,37 +158,22 @@ class Balance(Loading):
         loads = coordinates(*(stacked(J.shape[:-2], of) for of in zip(*applied, strict=True)))
         self.spread(group, np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0))
 
-    def spread(self, group: Group, forces: Iterable[Any]) -> None:
-        """Let a group's joints pass on what they do, in the order of its constraints.
+    def spread(self, group: Group, multipliers: Iterable[Any]) -> None:
+        """Let a group's joints pass on what they do, by the multipliers of its constraints in their order."""
+        rows = [*multipliers]
+        for joint, numbers in group.rows.items():
+            joint.act(self, group.bodies, *(rows[number] for number in numbers))
 
-        Each pin does it on the body pinned, along x and y, each guide on the slider, a force and a moment, and a drive.
+    def pass_on(self, ends: Iterable[str], bodies: Sequence[str], force: Any, moment: Any) -> None:
+        """Leave what a joint of a group does to its first end, and the reaction on the other, to the placed of both.
+
+        The force, N, acts at the first point of the first end, and the moment, N m, is about that.
         """
-        rest, p, s = iter(forces), len(group.pins), len(group.slides)
-        along_x, along_y, guide_force, guide_moment = ([*islice(rest, count)] for count in (p, p, s, s))
-        if group.drive is not None:
-            effort = self.reactions.effort = next(rest)
-            for body, sign in zip(group.drive, (1, -1), strict=True) if self.scene.drive.slide is None else ():
-                at = self.k.z[self.scene.bodies[body].points[0]]
-                self.pass_on(group, body, ActingForce(samples(0j), at, sign * effort))
-        for pin, x, y in zip(group.pins, along_x, along_y, strict=True):
-            on_body = x + 1j * y
-            self.hold(pin.body, pin.point, on_body)
-            if pin.on is not None:
-                self.hold(pin.on, pin.point, -on_body)
-        for (slider, on), N, M in zip(group.slides, guide_force, guide_moment, strict=True):
-            self.reactions.guide[slider] = N, M
-            along = self.k.u[on] * as_complex(self.scene.slides[slider].along)
-            reaction = N * (1j * along)
-            if group.drive == (slider, on):
-                reaction = reaction + self.reactions.effort * along
-            at = self.k.z[self.scene.bodies[slider].points[0]]
-            for body, sign in ((on, -1), (slider, 1)):
-                self.pass_on(group, body, ActingForce(sign * reaction, at, sign * M))
-
-    def pass_on(self, group: Group, body: str, acting: ActingForce) -> None:
-        """Leave what a group does to a body that it hangs on to that body's own balance."""
-        if body not in group.bodies:
-            self.slid_on.setdefault(body, []).append(acting)
+        first, second = ends
+        at = self.k.z[self.scene.bodies[first].points[0]]
+        for body, sign in ((second, -1), (first, 1)):
+            if body not in bodies:
+                self.slid_on.setdefault(body, []).append(ActingForce(sign * force, at, sign * moment))
 
     def driver(self, leg: Leg) -> None:
         """Balance the driven body, and find the effort of the drive."""

@@ -41,5 +41,15 @@ def samples(number: Any) -> NDArray[Any]:
     return cast("NDArray[Any]", number) if hasattr(number, "astype") else np.asarray(number)
 
 
+def real(vectors: NDArray[Any]) -> NDArray[Any]:
+    """The parts along x, of objects too."""
+    return vectors.real if vectors.dtype != object else np.array([each.real for each in vectors], object)
+
+
+def imag(vectors: NDArray[Any]) -> NDArray[Any]:
+    """The parts along y, of objects too."""
+    return vectors.imag if vectors.dtype != object else np.array([each.imag for each in vectors], object)
+
+
 def _plain(numbers: tuple[Number, ...]) -> bool:
     return all(isinstance(number, float | int) for number in numbers)

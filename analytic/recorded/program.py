@@ -10,21 +10,21 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import cached_property, partial, reduce
 from math import inf
+from operator import mul
 from typing import Any
 
 import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import ConstantSpeed
+from scenes.scene import GROUND, ConstantSpeed
 
 from ..channels import all_channels, asked, of_larger
 from ..core.decomposition import Linkage, decompose
 from ..core.dyads import bounded_rrr_position, rrr_position
 from ..core.elements import acts, wound
-from ..core.geometry import as_complex
 from ..core.groups.continuation import Track
-from ..core.groups.group_equations import Group, size_of
+from ..core.groups.group_equations import Group, equations_of, size_of
 from ..core.kinematics import Pass
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
@@ -196,33 +196,39 @@ class RecordedPass(Pass):
             self.place(body, foot, np.exp(1j * turn), (omega, alpha))  # type: ignore[arg-type]
 
     def constraints(self, group: Group, q: Sequence[Expression]) -> tuple[list[Expression], list[Expression]]:
-        """Return C of a group, in the order of `GroupEquations.open`, and its Jacobian J by q, row by row."""
-        bodies = self.linkage.bodies
-        z = {body: Traced(self.make, *q[3 * b : 3 * b + 2]) for b, body in enumerate(group.bodies)}
-        angles: Any = {body: Traced(self.make, q[3 * b + 2]) for b, body in enumerate(group.bodies)}
-        u: Any = {**self.k.u, **{body: np.exp(1j * angle) for body, angle in angles.items()}}
-
-        def at(body: str, local: Any) -> Any:
-            return z[body] + u[body] * (local - bodies[body].first) if body in z else self.fixed(body, local)[0]
-
-        gaps = []
-        for pin in group.pins:
-            other = self.k.z[pin.point] if pin.on is None else at(pin.on, bodies[pin.on].local[pin.point])
-            gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
-        offsets, turns, driven = [], [], []
-        for slider, on in group.slides:
-            slide = self.scene.slides[slider]
-            away = at(slider, bodies[slider].first) - at(on, as_complex(slide.through))
-            D = (u[on] * as_complex(slide.along)).conjugate() * away  # along the guide, and across it
-            offsets.append(D.imag)
-            turns.append((u[on].conjugate() * u[slider]).imag)  # the angle between them, which is zero
-            if group.drive == (slider, on):
-                driven = [D.real - self.driven.position]
-        if group.drive is not None and self.scene.drive.slide is None:
-            body, on = group.drive
-            driven = [((u[on] * np.exp(1j * self.driven.position)).conjugate() * u[body]).imag]
-        others = (traced(self.make, x).x for x in (*offsets, *turns, *driven))
-        C = [*(gap.x for gap in gaps), *(gap.y for gap in gaps), *others]
+        """Return C of a group, and its Jacobian J by the coordinates q, row by row."""
+        places = [Traced(self.make, *q[row : row + 2]) for row in range(0, len(q), 3)]
+        attitudes: list[Any] = [np.exp(1j * Traced(self.make, angle)) for angle in q[2::3]]
+        for name in group.hangs_on:
+            place, attitude = self.frame(name)
+            places.append(traced(self.make, place))
+            attitudes.append(traced(self.make, attitude))
+        equations = equations_of(self.scene, self.linkage.bodies, group)
+        C = [traced(self.make, row).x for row in equations.open(RecordedFrames(np.array(places), np.array(attitudes)))]
         # The Jacobian is differentiated from the constraints rather than written down a second time.
         columns = [forward(self.make, C, {one: self.make.constant(1.0)}) for one in q]
         return C, [entry for row in zip(*columns, strict=True) for entry in row]
+
+    def frame(self, name: str) -> tuple[Any, Any]:
+        """The place and the attitude of a frame that a group hangs on."""
+        if name.startswith("/"):
+            return self.driven.position, np.exp(1j * self.driven.position)
+        if name.startswith("."):
+            return self.k.z[name.removeprefix(".")], 1
+        return self.fixed(name, 0 if name == GROUND else self.linkage.bodies[name].first)[0], self.k.u[name]
+
+
+@dataclass(frozen=True)
+class RecordedFrames:
+    """Where frames are, as `FramePoses`: arrays of objects, of shape (frames,)."""
+
+    z: Any
+    u: Any
+
+    def turned(self, A: Samples) -> Any:
+        """The sines of sums of angles, which count 1, -1 or not at all, shape (t, frames): zero at whole turns."""
+        return np.array([self._product(row).imag for row in A], object)
+
+    def _product(self, row: Samples) -> Any:
+        u = [(self.u[n] if count > 0 else self.u[n].conjugate()) for n, count in enumerate(row) if count]
+        return reduce(mul, u)

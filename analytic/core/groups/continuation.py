@@ -206,13 +206,10 @@ def _filled(track: Track, placed: PlacedAt) -> Track | None:
 
 def misfit(scene: Scene, group: Group, equations: GroupEquations, q: Samples, placed: FramePoses) -> str:
     """Return which joint of a group stays open when all others close, near q, shape (1, m), by how much, or nothing."""
-    pins = len(group.pins)
-    joints = {f"the guide of {slider}": [2 * pins + row] for row, (slider, _) in enumerate(group.slides)}
-    joints |= {pin.point: [row, pins + row] for row, pin in enumerate(group.pins)}
     joint, gap = open_joint(
         lambda q: equations.open(equations.pose(q[np.newaxis], placed))[0],
         lambda q: own_jacobian(equations, equations.pose(q[np.newaxis], placed))[0],
-        *(q[0], np.tile([equations.size, equations.size, 1.0], equations.bodies), joints, equations.size),
+        *(q[0], np.tile([equations.size, equations.size, 1.0], equations.bodies), group.gaps, equations.size),
     )
     return f": with all else closed {joint} stays open by {scene.length(gap)}" if gap else ""
 

@@ -11,7 +11,7 @@ m of them too: Nikravesh, "Computer-Aided Analysis of Mechanical Systems" (1988)
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,19 +20,11 @@ from scenes import Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from ..geometry import RigidBody, as_complex, sketched_attitude
-from ..numbers import Number, Vector, chosen, largest
+from ..geometry import RigidBody, sketched_attitude
+from ..numbers import Number, Vector, chosen, imag, largest, real
+from .joints import GAPS, GroupJoint, Part
 
 Complex: TypeAlias = NDArray[np.complex128]
-
-
-@dataclass(frozen=True)
-class PinJoint:
-    """A pin of a larger group: at `point`, `body` hangs on the body `on` of the group, or on a placed point (None)."""
-
-    point: str
-    body: str
-    on: str | None
 
 
 @dataclass(frozen=True)
@@ -40,18 +32,46 @@ class Group:
     """Bodies that only together have no freedom left, of class III or higher; P is the first pin among them."""
 
     bodies: tuple[str, ...]
-    pins: tuple[PinJoint, ...]
-    slides: tuple[tuple[str, str], ...]  # of a slider on a body, one of which is of the group, the other too or placed
+    joints: tuple[GroupJoint, ...]
     P: str
-    drive: tuple[str, str] | None = None  # the driven body, and the moving one that it slides on, or turns against
 
     @property
     def hangs_on(self) -> tuple[str, ...]:
-        """The placed bodies, the ground among them, and points that the group's joints are at; and last the drive."""
-        joined = (*(name for slide in self.slides for name in slide), *(self.drive or ()))
-        points = (f".{pin.point}" for pin in self.pins if pin.on is None)
-        drive = ("drive",) if self.drive else ()
-        return (*dict.fromkeys(name for name in joined if name not in self.bodies), *dict.fromkeys(points), *drive)
+        """The frames of its joints that are of none of its bodies: bodies, then points, and last a drive."""
+        frames = dict.fromkeys(frame for joint in self.joints for frame in joint.frames if frame not in self.bodies)
+        return tuple(sorted(frames, key=lambda frame: "./".find(frame[0])))
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """What each of its equations holds, in their order."""
+        return tuple(sorted(part for joint in self.joints for part in joint.parts))
+
+    @cached_property
+    def rows(self) -> Mapping[GroupJoint, tuple[int, ...]]:
+        """The equations of each joint."""
+        order = sorted((part, number) for number, joint in enumerate(self.joints) for part in joint.parts)
+        return {joint: tuple(order.index((part, n)) for part in joint.parts) for n, joint in enumerate(self.joints)}
+
+    @cached_property
+    def gaps(self) -> Mapping[str, list[int]]:
+        """By joint, as messages call it, the equations that are lengths by which it is open; pins come last."""
+        gaps = {joint: [row for row in rows if self.parts[row] in GAPS] for joint, rows in self.rows.items()}
+        return {joint.label: gaps[joint] for joint in sorted(gaps, key=lambda joint: len(gaps[joint])) if gaps[joint]}
+
+
+class Frames(Protocol):
+    """Where frames are: arrays of samples, or of what is recorded of them, with the frames as last axis."""
+
+    @property
+    def z(self) -> Any:
+        """Their first points, m."""
+
+    @property
+    def u(self) -> Any:
+        """Their attitudes."""
+
+    def turned(self, A: Samples) -> Any:
+        """Sums of angles, by how often each counts, shape (t, frames), that are zero at whole turns."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +86,10 @@ class FramePoses:
         """Return the attitudes exp(i angle)."""
         attitudes: Complex = np.exp(1j * self.angle)
         return attitudes
+
+    def turned(self, A: Samples) -> Samples:
+        """Return sums of angles, by how often each counts, shape (t, frames), less whole turns."""
+        return within_a_turn(_joined(A, self.angle))
 
 
 @dataclass(frozen=True)
@@ -102,7 +126,7 @@ class GroupEquations:
         z, angle = in_plane(q)
         return FramePoses(np.concatenate([z, placed.z], axis=-1), np.concatenate([angle, placed.angle], axis=-1))
 
-    def open(self, pose: FramePoses) -> Samples:
+    def open(self, pose: Frames) -> Samples:
         """Return C, shape (..., m): the gaps of pins, x and y; offsets of slides, angles, and how far off the drive is.
 
         Of a slide the vector D goes from the guide's point to the slider's, and w is the guide's direction: the
@@ -110,9 +134,8 @@ class GroupEquations:
         """
         gap, D, w = self._joints(pose)
         seen = w.conj() * D
-        turned = within_a_turn(_joined(self.A, pose.angle))
-        moved = seen.real[..., self.driven] + _joined(self.G, pose.z.real)
-        return np.concatenate([gap.real, gap.imag, seen.imag, turned, moved], axis=-1)
+        moved = real(seen)[..., self.driven] + _joined(self.G, real(pose.z))
+        return np.concatenate([real(gap), imag(gap), imag(seen), pose.turned(self.A), moved], axis=-1)
 
     def jacobian(self, pose: FramePoses) -> Samples:
         """Return dC by the coordinates of all frames, shape (..., m, 3 frames)."""
@@ -151,42 +174,42 @@ class GroupEquations:
         """The moves by a unit of each coordinate, shape (m,), m."""
         return np.where(np.arange(3 * self.bodies) % 3 == 2, self.size, 1.0)
 
-    def _joints(self, pose: FramePoses) -> tuple[Complex, Complex, Complex]:
+    def _joints(self, pose: Frames) -> tuple[Complex, Complex, Complex]:
         """Return the gap of each pin, shape (..., p), and D and w of each slide, shape (..., s)."""
         apart = _joined(self.S, pose.z) + _joined(self.R, pose.u)
         return apart[..., : self.pins], apart[..., self.pins :], self.along * pose.u[..., self.on]
 
 
 def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> GroupEquations:
-    """Return the joints of a group; the foot of each body is its first point."""
+    """Return the joints of a group; the foot of each body is its first point. Arms are objects where they are open."""
     index = {name: number for number, name in enumerate((*group.bodies, *group.hangs_on))}
-    p, frames = len(group.pins), len(index)
+    local = {name: body.local for name, body in bodies.items()}
 
-    def arm(body: str, local: Vector) -> Vector:
-        return local if body == GROUND else local - bodies[body].first
+    def arm(body: str, place: Vector) -> Vector:
+        return place if body == GROUND else place - bodies[body].first
 
-    S = np.zeros((p + len(group.slides), frames))
-    R, along = np.zeros(S.shape, complex), np.zeros(len(group.slides), complex)
-    for number, pin in enumerate(group.pins):
-        for name, sign in ((pin.body, 1), (pin.on or f".{pin.point}", -1)):
-            S[number, index[name]] = sign
-            R[number, index[name]] = sign * arm(name, bodies[name].local[pin.point]) if name in bodies else 0
-    on = np.array([index[carrier] for _, carrier in group.slides], np.intp)
-    for number, (slider, carrier) in enumerate(group.slides):
-        S[p + number, index[slider]], S[p + number, index[carrier]] = 1, -1
-        R[p + number, index[carrier]] = -arm(carrier, as_complex(scene.slides[slider].through))
-        along[number] = as_complex(scene.slides[slider].along)
-    A, G = S[p:], np.zeros((0, frames))
-    driven = np.zeros(0, np.intp)
-    if group.drive is not None:
-        drive = np.zeros((1, frames))
-        drive[0, -1] = -1
-        if scene.drive.slide is None:
-            drive[0, [index[name] for name in group.drive]] = 1, -1
-            A = np.append(A, drive, axis=0)
-        else:
-            G, driven = drive, np.array([group.slides.index(group.drive)])
-    return GroupEquations(len(group.bodies), p, S, R, on, along, size_of(group, bodies), A, driven, G)
+    found = ((joint.body, joint.way(scene, local, arm)) for joint in group.joints)
+    ways = [(body, way) for body, way in found if way is not None]
+    S, R = np.zeros((len(ways), len(index))), [[0j] * len(index) for _ in ways]
+    for number, (_, way) in enumerate(ways):
+        for (frame, place), sign in ((way.start, -1), (way.end, 1)):
+            S[number, index[frame]], R[number][index[frame]] = sign, sign * place
+    guided = [(body, way) for body, way in ways if way.along is not None]
+    A = [[joint.turns.get(frame, 0.0) for frame in index] for joint in group.joints if joint.turns]
+    driven = [joint for joint in group.joints if Part.along in joint.parts]
+    G = [[-float(frame == joint.frames[-1]) for frame in index] for joint in driven]
+    return GroupEquations(
+        bodies=len(group.bodies),
+        pins=len(ways) - len(guided),
+        S=S,
+        R=np.array(R).reshape(S.shape),
+        on=np.array([index[way.start[0]] for _, way in guided], np.intp),
+        along=np.array([way.along for _, way in guided]),
+        size=size_of(group, bodies),
+        A=np.array(A).reshape(-1, len(index)),
+        driven=np.array([[body for body, _ in guided].index(joint.body) for joint in driven], np.intp),
+        G=np.array(G).reshape(-1, len(index)),
+    )
 
 
 def within_a_turn(angle: Samples) -> Samples:
