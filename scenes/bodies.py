@@ -156,6 +156,11 @@ class Body:
         return bases
 
     @property
+    def heights(self) -> Sequence[Any]:
+        """How high the triangles of its first two corners and each other point are, over their longest side."""
+        return [*heights(self.corners, self.points, self.local, self.lengths)]
+
+    @property
     def weighed(self) -> "Body":
         """The same body with numbers of its own for mass, centre of mass and inertia, however it was drawn."""
         return Body(**{own.name: getattr(self, own.name) for own in fields(Body)})

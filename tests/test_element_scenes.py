@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from compare.mechanics.elements import magnitudes
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.scales import relative_errors, scales, travels
 from scenes import Failure, Motion, Sampling, Scene, Status
@@ -36,7 +37,8 @@ def test_three_formulations_agree_on_every_element_and_drive(tmp_path: Path, cou
         if len(found) > 1:
             assert "undetermined" not in truth.fates, scene.name
             fifty, core = found
-            scale = scales(Mechanics(scene), fifty, travels(scene, fifty))
+            mechanics = Mechanics(scene)
+            scale = scales(mechanics, fifty, travels(scene, fifty), magnitudes(mechanics, fifty))
             for channel, error in relative_errors(scene.channels, core, fifty, scale).items():
                 assert not error[rows].max(initial=0.0) > OF_PEAK, (scene.name, channel)
 

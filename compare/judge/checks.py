@@ -19,12 +19,12 @@ from scenes.scene import GROUND, Body
 
 from ..mechanics.bodies import distances
 from ..mechanics.elements import Push, applied, drive_power, inertial, magnitudes, of_joints, power_of
-from ..mechanics.friction import newtons, unresting
+from ..mechanics.friction import newtons
 from ..mechanics.mechanics import EPS, SHOWN_GROUPS, Mechanics
 from ..mechanics.motion_vectors import Acts, MotionVectors
 from ..mechanics.projection import projected
 from ..mechanics.reference import Acting, fitted
-from ..mechanics.scales import NOTHING, force_scales, off_origin, relative_errors, scales, sizes
+from ..mechanics.scales import NOTHING, force_scales, judged_errors, off_origin, relative_errors, scales, sizes
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
 
@@ -179,17 +179,18 @@ def estimate(
     # numbers a few last places off, and what moves as much is explained too.
     projection = projected(mechanics, motion, ends)
     closed, condition = projection.closed, projection.condition
-    scale, far = scale or scales(mechanics, closed, travel), off_origin(mechanics, motion)
+    acting = magnitudes(mechanics, closed)
+    in_newtons = newtons(mechanics, MotionVectors(mechanics.scene, closed))
+    scale, far = scale or scales(mechanics, closed, travel, acting), off_origin(mechanics, motion)
     eps = [EPS * turns, *[EPS * np.maximum(turns, far)] * (len(POWERS) - 1)]  # places themselves are as large as far
     true = Motion({**closed.samples, **projection.forces})
-    errors = unresting(mechanics, closed, relative_errors(mechanics.scene.channels, motion, true, scale))
-    state = MotionVectors(mechanics.scene, closed)
-    units: dict[str, Samples | float] = {**scale, **mechanics.newtons, **newtons(mechanics, state)}
-    loads = [*magnitudes(state, mechanics.size).values()] if mechanics.forces else []
+    errors = judged_errors(mechanics, motion, true, scale)
+    units: dict[str, Samples | float] = {**scale, **mechanics.newtons, **in_newtons}
     for kind, power in enumerate(POWERS):  # rounding is by the largest value of a kind, in units that make them alike
         of_kind = [channel for channel in errors if KINDS[mechanics.groups[channel]] == kind]
         values = [np.abs(true[channel]) / units[channel] for channel in of_kind if channel not in mechanics.friction]
-        values += loads if kind == FORCES else []  # what joints carry, and what they leave that cancels in them
+        if kind == FORCES:  # what joints carry, and what they leave that cancels in them
+            values += acting.values()
         rounding = eps[kind] * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
         for channel in of_kind:
             explained = rounding * (units[channel] / sizes(true, mechanics.scene.channels[channel], scale[channel]))

@@ -18,7 +18,7 @@ from ..mechanics import axis as units
 from ..mechanics.reference import Floor, Reference, uncertified
 from ..mechanics.round_off import explain
 from .measure import Measurement, assess
-from .sketch import UnclearSketchError, check_sketch, other_assembly, rough, with_sketch
+from .sketch import UnclearSketchError, other_assembly, with_notes, with_sketch
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
 DRIVE = Settings("").drive_promise
@@ -77,7 +77,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
         reference = uncertified(scene)
     except Failure as failure:
         raise with_sketch(scene, failure) from None
-    check_sketch(reference)
+    reference = with_notes(reference)
     sampling = Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
     answer = reference.at(sampling.inputs(scene))
@@ -90,7 +90,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     # difference at FLOOR_SAMPLES positions; a disagreement beyond promise and round-off is a doubt, and who contradicts
     # itself is suspected first.
     core, oracle = (assess(reference, sampling, run, explained) for run in both)
-    if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and rough(reference):
+    if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and reference.rough_sketch:
         raise other_assembly(reference, registry.ENTRIES[registry.ORACLE].distribution)
     doubt = _doubt(core, oracle)
     if oracle.comparison is None:

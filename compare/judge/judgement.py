@@ -1,4 +1,4 @@
-"""One scene solved by several engines, each held to its promise; and what a designer should know of the scene."""
+"""One scene solved by several engines, each held to its promise."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -8,32 +8,25 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from scenes import Sampling, Scene, Settings, Status
-from scenes.bodies import CLOSED, heights
-from scenes.scene import GROUND, MotionLaw
+from scenes import Sampling, Settings, Status
 
 from ..engines import registry
 from ..engines.processes.stopping import kept
 from ..engines.registry import ORACLE, REFERENCE, voter
 from ..engines.runner import HERE, Run, Runs
-from ..mechanics.axis import cycle_name
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import relative_errors
 from .agreement import Judgement
 from .errors import worst_of
 from .measure import Measurement, escalated, measure
-from .plausibility import cycles_of, implausible
-from .sketch import rough, warnings
+from .plausibility import remarks
 from .verdict import doubted_core, judged, share
 
 if TYPE_CHECKING:
     from ..results.result import Result
 
 Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
-
-MAX_SPLINE_EXCESS = 0.01  # of a motion law's table: its spline may leave it by so much without a word
-MAX_HEIGHT_OF_BAR = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
 
 
 def judgement(
@@ -50,8 +43,7 @@ def judgement(
     Results of other programs come after the engines; `progress` is called with what is being done.
     """
     scene, explained = reference.scene, explain(reference, sampling)
-    reasons = [*notes(scene), *point_masses(scene), *implausible(reference), *parts_of_cycles(scene, sampling)]
-    reasons += warnings(reference)
+    reasons = [*remarks(reference, sampling)]
 
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:
@@ -83,7 +75,7 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     # Results of other programs have no vote: two may be copies of one.
     voters = [m for m in measurements if not m.foreign and m.run.engine not in (REFERENCE, ORACLE)]
     against = [m for m in voters if m.run.found_by == "reference"]
-    if rough(reference):  # which another assembly may be the sketch's fault
+    if reference.rough_sketch:  # which another assembly may be the sketch's fault
         against = [m for m in against if m.run.status is not Status.wrong_branch]
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
     if not doubt:
@@ -120,26 +112,6 @@ def _agree(reference: Reference, first: Run, second: Run) -> bool:
     return bool(np.max([*map(np.max, errors.values())]) <= first.settings.promise + second.settings.promise)
 
 
-def notes(scene: Scene) -> Iterator[str]:
-    """Yield a sentence on a motion law that leaves its table, and on each plate or bar that is nearly the other."""
-    for law in (
-        drive.law for drive in scene.drives if isinstance(drive.law, MotionLaw) and drive.law.beyond > MAX_SPLINE_EXCESS
-    ):
-        leaves = f"drives from {scene.between(law.extent)}, beyond its table's {scene.between(law.table)}"
-        closer = "more rows where the motion changes keep it closer, 'segments' or 'harmonics' have no table to leave"
-        yield f"the motion law's spline {leaves}: {closer}"
-    uniform = (body for body in scene.bodies.values() if body.mass and body.com is None and len(body.points) > 2)
-    for body in uniform:
-        height = max(heights(body.corners, body.points, body.local, body.lengths))
-        nearly = f"{body.name}, of points nearly on one line (a height of {100 * height:.2g} % of its longest side)"
-        if len(body.corners) == 2 and height > CLOSED:
-            taken = f"is taken for a uniform bar from {' to '.join(body.corners)}"
-            yield f"{nearly}, {taken}; a plate has down to half the inertia: give com and inertia where it is one"
-        elif len(body.corners) == 3 and height <= MAX_HEIGHT_OF_BAR:
-            taken = "is taken for a uniform triangular plate; a bar has up to twice the inertia"
-            yield f"{nearly}, {taken}: give com and inertia, or put the points on the line"
-
-
 def beyond(measured: Measurement, explained: Explained) -> Iterator[str]:
     """Yield a sentence on an engine that is ok, and further off than its settings promise: what round-off leaves there.
 
@@ -157,21 +129,3 @@ def beyond(measured: Measurement, explained: Explained) -> Iterator[str]:
         row = worst_of(too_far, "commanded_max")
         error = f"{row.channel} is off by {share(row.commanded_max)} where {run.settings.promise:g} is promised"
         yield f"{run.engine}: {error}: round-off explains up to {share(row.explained)}, {explained.why(row.channel)}"
-
-
-def point_masses(scene: Scene) -> Iterator[str]:
-    """Yield a sentence on each cylinder and rod whose mass is taken to be at its one pin."""
-    for name, slide in scene.slides.items():
-        pair = [scene.bodies[each] for each in (name, slide.on) if each != GROUND]
-        if name in scene.turning and (name in scene.driven or all(len(body.points) == 1 for body in pair)):
-            for body in (body for body in pair if body.mass and body.com is None and len(body.points) == 1):
-                yield f"{body.name} is taken for a point mass at {body.points[0]}, its only pin: give com and inertia"
-
-
-def parts_of_cycles(scene: Scene, sampling: Sampling) -> Iterator[str]:
-    """Yield a sentence on each periodic table of a load of which the cycles asked for show a part."""
-    cycle = cycle_name(scene)
-    for number, load in enumerate(scene.loads):
-        if (turns := cycles_of(scene, load)) > sampling.turns:
-            shown = f"one {cycle} shows" if sampling.turns == 1 else f"{sampling.turns} {cycle}s show"
-            yield f"the table of loads.{number} has a period of {turns} {cycle}s; {shown} a part, --turns {turns} all"

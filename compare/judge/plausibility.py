@@ -1,8 +1,9 @@
-"""Numbers of a scene that are possible and unlikely: what a slip of a unit, a sign or a frame leaves.
+"""What a designer should know of a scene: how its file was taken, and numbers that are possible and unlikely.
 
-Each rule is a function that yields a sentence, in the units of the file, for every number that it finds unlikely. None
-is a failure: a machine may be meant so. The bounds are far beyond what machines have, so that few sentences are in
-vain. A table that helps the motion needs the reference's motion; the others look at numbers of the scene alone.
+Unlikely numbers are what a slip of a unit, a sign or a frame leaves. Each rule is a function that yields a sentence, in
+the units of the file, for every number that it finds unlikely. None is a failure: a machine may be meant so. The bounds
+are far beyond what machines have, so that few sentences are in vain. A table that helps the motion needs the
+reference's motion; the others look at numbers of the scene alone.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,10 +13,12 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, Sampling, Scene
+from scenes.bodies import CLOSED
 from scenes.elements.friction import PinFriction
 from scenes.elements.loads import Load
-from scenes.scene import GROUND, Body
+from scenes.scene import GROUND, Body, MotionLaw
 
+from ..mechanics.axis import cycle_name
 from ..mechanics.bodies import arms, distances, weights
 from ..mechanics.elements import of_element, power_of
 from ..mechanics.motion_vectors import MotionVectors
@@ -30,13 +33,63 @@ MAX_PIN = 0.5  # of a bar's length: the radius of its pin
 SIZES = 1e-5, 100.0  # m: the largest length of a machine
 PERIOD_TOL = 1e-9  # of a cycle: by how much the period of a table may be longer, by rounding
 STEPS = 720  # of a cycle, for the work of a table
+MAX_SPLINE_EXCESS = 0.01  # of a motion law's table: its spline may leave it by so much without a word
+MAX_HEIGHT_OF_BAR = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
 MAX_WORK_GAINED = 0.01  # of all work, given or taken: what a table may give more than it takes
+
+
+def remarks(reference: Reference, sampling: Sampling) -> Iterator[str]:
+    """Yield every sentence on a scene; those on its sketch, which are known with the reference, come last."""
+    scene = reference.scene
+    yield from notes(scene)
+    yield from point_masses(scene)
+    yield from implausible(reference)
+    yield from parts_of_cycles(scene, sampling)
+    yield from reference.notes
+
+
+def notes(scene: Scene) -> Iterator[str]:
+    """Yield a sentence on a motion law that leaves its table, and on each plate or bar that is nearly the other."""
+    for law in (
+        drive.law for drive in scene.drives if isinstance(drive.law, MotionLaw) and drive.law.beyond > MAX_SPLINE_EXCESS
+    ):
+        leaves = f"drives from {scene.between(law.extent)}, beyond its table's {scene.between(law.table)}"
+        closer = "more rows where the motion changes keep it closer, 'segments' or 'harmonics' have no table to leave"
+        yield f"the motion law's spline {leaves}: {closer}"
+    uniform = (body for body in scene.bodies.values() if body.mass and body.com is None and len(body.points) > 2)
+    for body in uniform:
+        height = max(body.heights)
+        nearly = f"{body.name}, of points nearly on one line (a height of {100 * height:.2g} % of its longest side)"
+        if len(body.corners) == 2 and height > CLOSED:
+            taken = f"is taken for a uniform bar from {' to '.join(body.corners)}"
+            yield f"{nearly}, {taken}; a plate has down to half the inertia: give com and inertia where it is one"
+        elif len(body.corners) == 3 and height <= MAX_HEIGHT_OF_BAR:
+            taken = "is taken for a uniform triangular plate; a bar has up to twice the inertia"
+            yield f"{nearly}, {taken}: give com and inertia, or put the points on the line"
+
+
+def point_masses(scene: Scene) -> Iterator[str]:
+    """Yield a sentence on each cylinder and rod whose mass is taken to be at its one pin."""
+    for name, slide in scene.slides.items():
+        pair = [scene.bodies[each] for each in (name, slide.on) if each != GROUND]
+        if name in scene.turning and (name in scene.driven or all(len(body.points) == 1 for body in pair)):
+            for body in (body for body in pair if body.mass and body.com is None and len(body.points) == 1):
+                yield f"{body.name} is taken for a point mass at {body.points[0]}, its only pin: give com and inertia"
+
+
+def parts_of_cycles(scene: Scene, sampling: Sampling) -> Iterator[str]:
+    """Yield a sentence on each periodic table of a load of which the cycles asked for show a part."""
+    cycle = cycle_name(scene)
+    for number, load in enumerate(scene.loads):
+        if (turns := cycles_of(scene, load)) > sampling.turns:
+            shown = f"one {cycle} shows" if sampling.turns == 1 else f"{sampling.turns} {cycle}s show"
+            yield f"the table of loads.{number} has a period of {turns} {cycle}s; {shown} a part, --turns {turns} all"
 
 
 def implausible(reference: Reference) -> Iterator[str]:
     """Yield a sentence on every unlikely number of a scene."""
-    for rule in RULES:
-        yield from rule(reference)
+    for unlikely in RULES:
+        yield from unlikely(reference)
 
 
 def gravity(reference: Reference) -> Iterator[str]:

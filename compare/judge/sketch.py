@@ -16,6 +16,7 @@ points are off does not tell: a crank that is drawn at another angle is harmless
 
 from cmath import phase
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import chain
 from math import degrees, isnan, radians
 from statistics import median
@@ -54,6 +55,12 @@ def check_sketch(reference: Reference) -> None:
     scene, size = reference.scene, reference.mechanics.size
     if why := _fault(scene, size, _posed(reference)):
         raise UnclearSketchError(f"{why}{_what_fits(scene, size, registry.sketch_fit(scene))}")
+
+
+def with_notes(reference: Reference) -> Reference:
+    """The reference with what is known of its sketch; UnclearSketchError where that is at fault."""
+    check_sketch(reference)
+    return replace(reference, rough_sketch=rough(reference), notes=[*warnings(reference)])
 
 
 def other_assembly(reference: Reference, engine: str) -> UnclearSketchError:

@@ -4,14 +4,13 @@ This is all that the judge knows of them: the balance of forces and moments of e
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
 from functools import lru_cache
 from math import ceil, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenes import Failure, Scene
+from scenes import Failure, Motion, Scene
 from scenes.elements.constant_force_springs import ConstantForceSpring
 from scenes.elements.element import Element
 from scenes.elements.friction import GuideFriction, PinFriction
@@ -34,6 +33,7 @@ from scenes.scene import GROUND, Body
 
 from ..engines import registry
 from .bodies import inertia
+from .mechanics import Mechanics
 from .motion_vectors import MotionVectors, Vectors
 
 STEPS = 3600  # of a cycle: from one to the next no angle comes near to half a turn
@@ -247,19 +247,24 @@ def inertial(state: MotionVectors) -> Iterator[Push]:
     """Yield the inertia of each body as a force and a couple on it, against its accelerations (d'Alembert)."""
     for name, body in state.scene.bodies.items():
         # d'Alembert: with the inertia as a push, each body's forces and moments add up to zero.
+        about_com = inertia(body)
         z, v, a = state.com(body)
-        couple = -inertia(body) * state.angle(name, 2)
+        couple = -about_com * state.angle(name, 2)
         yield Push(name, -(body.mass or 0.0) * a, z, couple, v, f"the inertia of {name}")
 
 
-def magnitudes(state: MotionVectors, arm: float) -> dict[str, Samples]:
-    """By name the magnitude of each load, spring, weight and inertia, N, shape (n,); moments are by an arm, m.
+def magnitudes(mechanics: Mechanics, motion: Motion) -> dict[str, Samples]:
+    """By name the magnitude of each load, spring, weight and inertia, N, shape (n,); none in a scene without forces.
 
-    They are what the joints' forces and the drive's effort are the sums of. Press forces count as acting.
+    They are what the joints' forces and the drive's effort are the sums of. Moments are by an arm of the linkage's
+    largest length. Press forces count as acting.
     """
-    everywhere = [np.ones(state.motion["time"].shape, bool) for _ in state.scene.presses]
-    pushes = (*applied(replace(state, acting=everywhere)), *inertial(state))
-    return {push.name: np.abs(push.force) + np.abs(push.moment) / arm for push in pushes}
+    if not mechanics.forces:
+        return {}
+    everywhere = [np.ones(motion["time"].shape, bool) for _ in mechanics.presses]
+    state = MotionVectors(mechanics.scene, motion, everywhere)
+    pushes = (*applied(state), *inertial(state))
+    return {push.name: np.abs(push.force) + np.abs(push.moment) / mechanics.size for push in pushes}
 
 
 def of_joints(state: MotionVectors) -> Iterator[Push]:

@@ -3,11 +3,9 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.channels import POWER
-from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import Friction
 
@@ -16,35 +14,10 @@ from .elements import generalised, of_element
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
 
-SLOW = 1e-6  # of the largest rate: where a joint turns round, within what engines find of its rate
-
 
 def rate(state: MotionVectors, one: Friction) -> Samples:
     """How fast the parts of a joint move on each other."""
     return CONTACTS[type(one)].rate(one, state)
-
-
-def resting(state: MotionVectors) -> NDArray[np.bool_]:
-    """Where the sense of a joint's motion is not known, so that nothing is judged by the forces; shape (n,)."""
-    scene = state.scene
-    turning = np.max([np.abs(state.turning(body)[1]) for body in scene.bodies], axis=0)
-    moving = np.max([np.abs(state.place(point, 1)) for point in scene.moving_points], axis=0)
-    inputs = inputs_of(scene, state.motion["time"])
-    rates = [inputs.driven(number).rate / drive.law.peak_rate for number, drive in enumerate(scene.drives)]
-    slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= SLOW
-    for one in scene.friction:
-        if one.smooth is None:
-            slow |= np.abs(rate(state, one)) <= SLOW * (turning if CONTACTS[type(one)].turns else moving)
-    return slow
-
-
-def unresting(mechanics: Mechanics, motion: Motion, errors: dict[str, Samples]) -> dict[str, Samples]:
-    """Errors of a motion, those of its forces zero where a joint with friction is at rest."""
-    if mechanics.friction:
-        at_rest = resting(MotionVectors(mechanics.scene, motion))
-        for channel in {*mechanics.forces, *mechanics.friction} & errors.keys():
-            errors[channel] = np.where(at_rest, 0.0, errors[channel])
-    return errors
 
 
 def load(scene: Scene, one: Friction, forces: Mapping[str, Samples]) -> Samples:

@@ -20,10 +20,10 @@ from scenes.model.motion import Samples
 from scenes.scene import PressForce
 
 from ..engines import registry
-from .friction import unresting
+from .elements import magnitudes
 from .mechanics import Mechanics
 from .motion_vectors import Acts, MotionVectors
-from .scales import chord, relative_errors, scales, travels
+from .scales import chord, judged_errors, relative_errors, scales, travels
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
 REMEMBERED, FEW = 4, 4096  # motions, of samples at most
@@ -54,6 +54,8 @@ class Reference:
     floor: Floor
     cycle: Motion = field(default_factory=lambda: Motion({}))  # at `SCALE_SAMPLES`
     stroke_ends: tuple[float, ...] = ()  # m, of each press force
+    rough_sketch: bool = False  # an engine that takes another assembly may have read it as well as the core has
+    notes: Sequence[str] = ()  # what the user should know of the sketch
 
     @property
     def scene(self) -> Scene:
@@ -72,7 +74,7 @@ class Reference:
         forces are compared with those on the side where they fit best.
         """
         fitting = self.fitting(motion, true, self.acts(true) if may is None else may)
-        return unresting(self.mechanics, true, relative_errors(self.scene.channels, motion, fitting, self.scale))
+        return judged_errors(self.mechanics, motion, fitting, self.scale)
 
     def fitting(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> Motion:
         """`true`, with the forces on a press force's switch those of the side where the motion's fit best."""
@@ -149,7 +151,8 @@ def uncertified(scene: Scene) -> Reference:
     stroke = abs(chord(motion[x] + 1j * motion[y]))
     if not stroke > 0:
         raise InputError(f"{scene.file}: output: {output} does not move; expected a point that does")
-    scale, ends = scales(mechanics, motion, travel), MotionVectors(scene, motion).stroke_ends()
+    scale = scales(mechanics, motion, travel, magnitudes(mechanics, motion))
+    ends = MotionVectors(scene, motion).stroke_ends()
     return Reference(mechanics, Remembering(solve), stroke, travel, scale, Floor({}, ""), motion, ends)
 
 

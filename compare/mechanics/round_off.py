@@ -85,7 +85,7 @@ def explain(reference: Reference, sampling: Rows) -> Explained:
     # Places far off the origin are rounded by their own size, not the linkage's: the condition counts that many times.
     known = mechanics.constraints.condition(true) * off_origin(mechanics, true)
     state = MotionVectors(scene, true)
-    forces = magnitudes(state, mechanics.size) if mechanics.forces else {}
+    forces = magnitudes(mechanics, true)
     joints = (channel for channel in mechanics.forces if channel in true and mechanics.units[channel] == "N")
     forces |= {f"the force {channel}": np.abs(true[channel]) for channel in joints}
     largest = reduce(np.maximum, forces.values(), np.zeros_like(known))

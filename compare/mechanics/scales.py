@@ -3,25 +3,30 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.channels import TIME, Channel, Channels, Role
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from .contacts import CONTACTS
-from .elements import magnitudes
-from .friction import rate
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors, Vectors
 
 FAR = 10.0  # sizes of a linkage off the origin, within which its places are rounded by little more than its lengths
 LEAST = 1e-2  # of the largest travel: what a point's own is taken for at least
 NOTHING = 1e-12  # of the largest force: what a joint carries that carries but round-off
+SLOW = 1e-6  # of the largest rate: where a joint turns round, within what engines find of its rate
 REST = 1e-6  # of T w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
 
 
-def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) -> dict[str, float]:
-    """What errors are divided by, channel by channel; `travel` is that of each moving point, m, see `travels`.
+def scales(
+    mechanics: Mechanics, motion: Motion, travel: Mapping[str, float], acting: Mapping[str, Samples]
+) -> dict[str, float]:
+    """What errors are divided by, channel by channel.
+
+    `travel` is that of each moving point, m, see `travels`; `acting` has the `magnitudes` of all that acts, N.
 
     Points are scaled by their own travel T, T w and T w^2; turning by 1 rad, w and w^2; forces by the peak magnitude of
     their pin, guide or drive. w is the crank's peak rate, or that of a driven slider over its travel.
@@ -32,11 +37,12 @@ def scales(mechanics: Mechanics, motion: Motion, travel: Mapping[str, float]) ->
         natural = max(travel[point] for point in mechanics.along_guides[slider]) * peaks[force]
         peaks[moment] = max(peaks[moment], natural)  # often zero by symmetry
     for one in mechanics.scene.friction:
-        arm = 1.0 if CONTACTS[type(one)].turns else max(travel.values())
-        if np.abs(rate(MotionVectors(mechanics.scene, motion), one)).max() <= REST * arm * mechanics.scene.pace:
+        contact = CONTACTS[type(one)]
+        arm = 1.0 if contact.turns else max(travel.values())
+        rate = contact.rate(one, MotionVectors(mechanics.scene, motion))
+        if np.abs(rate).max() <= REST * arm * mechanics.scene.pace:
             peaks[one.channel(mechanics.scene)] = 0.0  # noise, of a joint that never moves
-    terms = magnitudes(MotionVectors(mechanics.scene, motion), mechanics.size) if peaks else {}
-    strongest = max((float(term.max()) for term in terms.values()), default=0.0)
+    strongest = max((float(term.max()) for term in acting.values()), default=0.0)
     return _kinematic(mechanics, travel) | force_scales(mechanics, motion, travel, peaks, strongest)
 
 
@@ -118,6 +124,31 @@ def relative_errors(channels: Channels, motion: Motion, true: Motion, scale: Map
             distance = np.hypot(distance, motion[other] - true[other])
         errors[name] = distance / sizes(true, channel, scale[name])
     return errors
+
+
+def judged_errors(mechanics: Mechanics, motion: Motion, true: Motion, scale: Mapping[str, float]) -> dict[str, Samples]:
+    """Relative errors as they count: zero of forces where a joint with friction is at rest in the true motion."""
+    errors = relative_errors(mechanics.scene.channels, motion, true, scale)
+    if mechanics.friction:
+        at_rest = resting(MotionVectors(mechanics.scene, true))
+        for channel in {*mechanics.forces, *mechanics.friction} & errors.keys():
+            errors[channel] = np.where(at_rest, 0.0, errors[channel])
+    return errors
+
+
+def resting(state: MotionVectors) -> NDArray[np.bool_]:
+    """Where the sense of a joint's motion is not known, so that nothing is judged by the forces; shape (n,)."""
+    scene = state.scene
+    turning = np.max([np.abs(state.turning(body)[1]) for body in scene.bodies], axis=0)
+    moving = np.max([np.abs(state.place(point, 1)) for point in scene.moving_points], axis=0)
+    inputs = inputs_of(scene, state.motion["time"])
+    rates = [inputs.driven(number).rate / drive.law.peak_rate for number, drive in enumerate(scene.drives)]
+    slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= SLOW
+    for one in scene.friction:
+        contact = CONTACTS[type(one)]
+        if one.smooth is None:
+            slow |= np.abs(contact.rate(one, state)) <= SLOW * (turning if contact.turns else moving)
+    return slow
 
 
 def apart(channel: Channel, one: Samples, other: Samples) -> Samples:

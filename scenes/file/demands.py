@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..bodies import LINE, Body, heights
+from ..bodies import LINE, Body
 from ..demand import Demand, of_size
 from ..fields import walk
 from ..outline import meetings, places
@@ -56,7 +56,7 @@ def _together(scene: Scene) -> Iterator[Demand]:
         # A body was classified as a bar or a plate by the drawing. Machines that vary it keep the class, because one
         # set of formulas solves them all; so those whose own points are of the other class are refused.
         uniform = body.mass is not None and (body.com is None or bar) and len(body.points) > 2
-        for height in heights(body.corners, body.points, body.local, body.lengths) if uniform else ():
+        for height in body.heights if uniform else ():
             if np.ndim(height):  # of many machines: whether their points are on one line, as those of the drawing
                 where = f"points that are {'' if len(body.corners) == 2 else 'not '}on one line, as drawn"
                 text = f"{place}: expected {where}, or 'com' and 'inertia', found {{:g}}"

@@ -14,11 +14,10 @@ from scenes.model.inputs import Inputs
 from scenes.model.motion import Samples
 
 from ...engines.runner import Run, complete
-from ...mechanics.friction import resting
 from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference, on_switch
 from ...mechanics.round_off import Explained, perturbed
-from ...mechanics.scales import apart
+from ...mechanics.scales import apart, resting
 from ..checks import Check
 from ..errors import shown_groups
 from ..measure import Measurement, assess, gates, missed

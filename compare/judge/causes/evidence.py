@@ -18,10 +18,9 @@ from scenes.model.inputs import Inputs, inputs_in, inputs_of, passing
 from scenes.model.motion import Samples
 
 from ...engines import registry
-from ...mechanics.friction import resting
 from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference
-from ...mechanics.scales import apart, sizes
+from ...mechanics.scales import apart, resting, sizes
 from .cause import Cause, Part, parts
 
 MAX_ROWS = 400  # but for those about the worst: all of a usual run

@@ -16,8 +16,9 @@ from scenes.scene import ConstantSpeed
 from ...engines import registry
 from ...mechanics.axis import axis, cycle_name, grouped
 from ...mechanics.elements import drive_power, of_element, power_of
-from ...mechanics.friction import contraction, rate, resting
+from ...mechanics.friction import contraction, rate
 from ...mechanics.motion_vectors import MotionVectors
+from ...mechanics.scales import resting
 from ...study import Study
 from ..numbers import percent, short, units, written
 from . import TableRows

@@ -23,7 +23,7 @@ from compare.judge.measure import Gate, gates, offers
 from compare.judge.verdict import compared, limits
 from compare.mechanics import reference, scales
 from compare.mechanics.round_off import Explained
-from compare.mechanics.scales import force_scales, relative_errors
+from compare.mechanics.scales import force_scales, judged_errors
 from compare.mechanics.scales import sizes as scale_sizes
 from scenes import Motion, Sampling, Status
 from tests import scene_files
@@ -158,7 +158,7 @@ WRONG: dict[str, list[Patch]] = {  # the comparison where it is wrong, and what 
     ],
     "compared with itself": [(measure, "compare", compared_with_itself)],
     "a channel left out": [
-        (reference, "relative_errors", lambda *of: {c: e for c, e in relative_errors(*of).items() if c != "P3.fx"})
+        (reference, "judged_errors", lambda *of: {c: e for c, e in judged_errors(*of).items() if c != "P3.fx"})
     ],
     "completeness not checked": [(module, "complete", lambda run, *_: run) for module in (measure, noticed)],
     "wider limits": [

@@ -11,6 +11,7 @@ from compare.engines.runner import run
 from compare.judge.checks import checks, estimate
 from compare.judge.measure import checked_run, measure
 from compare.mechanics.constraints import Constraints
+from compare.mechanics.elements import magnitudes
 from compare.mechanics.mechanics import EPS, SHOWN_GROUPS, Mechanics
 from compare.mechanics.projection import projected
 from compare.mechanics.reference import Reference, uncertified
@@ -51,7 +52,7 @@ def test_a_moved_channel_is_off_by_as_much(references: References, name: str) ->
     """Rates and forces one after the other, and nothing else is; by the scales of the motion itself."""
     reference = references(name)
     motion = commanded(reference)
-    own = scales(reference.mechanics, motion, reference.travel)
+    own = scales(reference.mechanics, motion, reference.travel, magnitudes(reference.mechanics, motion))
     for channel in own:
         if (named(channel).group or "drive") not in ("drive", "position"):
             off = largest(reference, changed(motion, channel, -1e-3 * own[channel]))
@@ -117,7 +118,7 @@ def test_it_explains_no_more_than_the_condition_allows(channel: str, power: int)
     constraints = Constraints(scene)
     J = constraints.jacobian(constraints.poses(motion))[-1]
     kappa = float(np.linalg.norm(J) * np.linalg.norm(np.linalg.inv(J)))
-    own = scales(reference.mechanics, motion, reference.travel)
+    own = scales(reference.mechanics, motion, reference.travel, magnitudes(reference.mechanics, motion))
     forces = scene.channels.names(Role.force)
     kind = forces if channel in forces else [c for c in own if named(c).group == named(channel).group]
     allowed = EPS * kappa**power * max(abs(motion[c][-1]) / own[c] for c in kind)

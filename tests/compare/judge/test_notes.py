@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import compare
-from compare.judge.judgement import point_masses
+from compare.judge.plausibility import point_masses
 from compare.report.tables import study as tables
 from compare.run import main
 from scenes import InputError, Scene

@@ -10,7 +10,7 @@ import compare
 import scenes
 from compare.engines import registry
 from compare.judge.judgement import judgement
-from compare.judge.sketch import check_sketch, off_sketch, warnings
+from compare.judge.sketch import check_sketch, off_sketch, warnings, with_notes
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference, uncertified
 from compare.run import main
@@ -34,7 +34,7 @@ def test_shipped_sketches_are_near(name: str) -> None:
 
 
 def test_a_leg_drawn_upside_down_is_named() -> None:
-    reference = uncertified(scene_files.load("walking_leg", UPSIDE_DOWN))
+    reference = with_notes(uncertified(scene_files.load("walking_leg", UPSIDE_DOWN)))
     judged = judgement(reference, [], Sampling(4), lambda _: ([], ""), lambda _: None)
     assert len(judged.reasons) == 1
     far, _, what_follows = judged.reasons[0].partition("; ")
@@ -138,12 +138,12 @@ def test_a_rough_sketch_is_no_fault_and_noted_where_it_is_far(
 
 def test_who_takes_another_assembly_from_a_rough_sketch_is_not_to_blame(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor is the core, which arbitrary precision contradicts."""
-    monkeypatch.setattr("compare.judge.floor.check_sketch", lambda _: None)
+    monkeypatch.setattr("compare.judge.sketch.check_sketch", lambda _: None)
     scene = scene_files.load("side_clamp", OTHER_SIDE)
     line = scene_files.refused(lambda: compare.check(scene, samples=24))
     assert ": sketch: " in line
     assert "python-flint takes another assembly from the sketch than the core, sketch.angle = 90.0000 deg: E by" in line
-    monkeypatch.setattr("compare.judge.floor.rough", lambda _: False)
+    monkeypatch.setattr("compare.judge.sketch.rough", lambda _: False)
     doubted = compare.check(scene, samples=24)
     assert "suspect the core" in doubted.verdicts["analytic"][1]
 
