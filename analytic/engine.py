@@ -87,7 +87,8 @@ class AnalyticSimulation:
 
     def _check_springs(self, motion: Motion) -> None:
         """Raise Failure, `nonfinite`, where the ends of a spring meet that then has no direction."""
-        scene, linkage, position = self._solver.scene, self._solver.linkage, self._request.commanded(self._solver.scene)
+        scene, linkage = self._solver.scene, self._solver.linkage
+        position = self._request.inputs(scene).driven().position
         pairs = [pair for pair in scene.of_type(PointPair).values() if pair.needs_direction]
         z = motion_at(scene, linkage, position).z if pairs else {}
         for pair in pairs:

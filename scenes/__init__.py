@@ -19,7 +19,7 @@
 | silent | of a run whose broken promise the reference alone shows, and no check without one |
 | work-precision | time against error, over an engine's settings from cheap to accurate |
 | inputs | what a model is solved at: instants, and the drives' positions, rates and accelerations there |
-| request | the instants, or positions of the drive, and the channels that a model is asked for |
+| request | the instants, positions of the drive or inputs, and the channels that a model is asked for |
 | channel, sample | one column of a motion, as `P5.y`, and one row, at one instant; a step is an engine's own |
 | ladder, rung | a hard case: a scene with one number that gets harder from rung to rung |
 """
@@ -28,9 +28,19 @@ from .errors import InputError
 from .file.reader import from_tables, load, numbers_in, shipped, with_changes, write_starter
 from .model.engine import Engine, Failure, ProcessorBudget, Settings, Simulation, Status
 from .model.inputs import Inputs
-from .model.motion import Instants, Motion, Positions, Request, Rows, Sampling
+from .model.motion import AtInputs, Instants, Motion, Positions, Request, Rows, Sampling
 from .scene import Scene
 
-__all__ = ["Engine", "Failure", "InputError", "Inputs", "Instants", "Motion", "Positions", "ProcessorBudget"]
+__all__ = [
+    "AtInputs",
+    "Engine",
+    "Failure",
+    "InputError",
+    "Inputs",
+    "Instants",
+    "Motion",
+    "Positions",
+    "ProcessorBudget",
+]
 __all__ += ["Request", "Rows", "Sampling", "Scene", "Settings", "Simulation", "Status"]
 __all__ += ["from_tables", "load", "numbers_in", "shipped", "with_changes", "write_starter"]

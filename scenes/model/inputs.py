@@ -41,6 +41,10 @@ class Inputs:
         position, rate, acceleration, *_ = self.derivatives
         return Driven(position[..., drive], rate[..., drive], acceleration[..., drive])
 
+    def rows(self, drive: int = 0) -> Driven:
+        """The same, each of shape (n,)."""
+        return Driven(*np.broadcast_arrays(*self.driven(drive)))
+
     def checked(self, scene: "Scene") -> "Inputs":
         """The same as arrays; InputError where they are not finite, of another shape, or of too few orders."""
         time = finite_numbers("inputs.time", self.time)

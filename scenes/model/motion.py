@@ -179,7 +179,34 @@ class Instants(_Channels):
         return inputs_of(scene, self.times(scene))
 
 
-Request: TypeAlias = Sampling | Positions  # of a model
+@dataclass(frozen=True, eq=False)
+class AtInputs(_Channels):
+    """Samples at inputs from any source, whatever the laws of the scene have there.
+
+    Only models without a time step can answer; the others refuse it as unsupported.
+    """
+
+    given: Inputs
+
+    @property
+    def count(self) -> int:
+        """The number of samples, n."""
+        return len(self.given.time)
+
+    def times(self, scene: Scene) -> Samples:  # noqa: ARG002 - they are the request itself
+        """The instants, shape (n,), s."""
+        return self.given.time
+
+    def commanded(self, scene: Scene) -> Samples:
+        """The positions of the drive, shape (n,), rad or m."""
+        return self.inputs(scene).driven().position
+
+    def inputs(self, scene: Scene) -> Inputs:
+        """The inputs; InputError where they are no such numbers, or of another shape."""
+        return self.given.checked(scene)
+
+
+Request: TypeAlias = Sampling | Positions | AtInputs  # of a model
 Rows: TypeAlias = Request | Instants  # of anything that is compared
 
 

@@ -5,7 +5,6 @@ import numpy as np
 from casadi import MX, SX, Function
 
 from scenes import Failure, Motion, Request, Scene, Status
-from scenes.model.inputs import inputs_of
 
 from ..coordinates.loads import SHORTEST_SPRING
 from ..coordinates.settings import PoseSettings
@@ -21,7 +20,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
         """Differentiate and assemble, see `engine.build`."""
         super().__init__(CasadiSystem, scene, settings.steps, request)
-        self._settings, self._driven = settings, inputs_of(scene, self._times).driven()
+        self._settings = settings
         self._sampled = self._compiled()
         self._poses: list[ClosedPose] = []
         self._shortest = np.empty(0)  # spring at every sample, over the linkage's size
@@ -43,9 +42,9 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         """Hand over the channels."""
         motion = super().read()
         if self._forces and not self._shortest.min() > SHORTEST_SPRING:
-            where = self._scene.where(self._positions[self._shortest.argmin()])
+            where = self._scene.where(self._driven.position[self._shortest.argmin()])
             raise Failure(Status.nonfinite, f"the ends of a spring meet at {where}: it has no direction", motion)
-        self.residuals = self._follower.residuals(self._poses, self._positions, self._settings.promise)
+        self.residuals = self._follower.residuals(self._poses, self._driven.position, self._settings.promise)
         return motion
 
     def _integrated(self) -> list[ClosedPose]:

@@ -30,7 +30,8 @@ class CoordinateSimulation(Generic[S]):
         self._turns = request.turns if isinstance(request, Sampling) else 1
         self._each = -(-(steps or 0) // self._samples)  # steps from a sample to the next
         self._steps = self._each * self._samples * self._turns
-        self._times, self._positions = request.times(scene), request.commanded(scene)
+        inputs = request.inputs(scene)
+        self._times, self._driven = inputs.time, inputs.rows()
         self._wanted = [name for name in request.wanted(scene) if scene.channels[name].role is not Role.time]
         self._forces = request.wants_forces(scene)
         self._channels: Mapping[str, Samples] = {}
@@ -44,4 +45,5 @@ class CoordinateSimulation(Generic[S]):
 
     def _through(self) -> Iterator[ClosedPose]:
         """Yield the poses at the samples by Newton's method."""
-        return self._follower.through(self._start, self._follower.system.drive.law.start, self._positions.tolist())
+        start = self._follower.system.drive.law.start
+        return self._follower.through(self._start, start, self._driven.position.tolist())

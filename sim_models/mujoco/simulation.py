@@ -102,7 +102,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
         J = np.reshape(self._data.efc_J, (-1, self._model.nv))[:, self._order]
         same = np.linalg.slogdet(J[self._in_plane])[0] == self._branch
         if not (gap <= MAX_GAP and same):
-            where = self._scene.where(float(self._positions[row]))
+            where = self._scene.where(float(self._driven.position[row]))
             if not gap <= MAX_GAP:
                 raise Failure(Status.diverged, f"a joint is open by {gap:.3g} of the linkage's size at {where}")
             raise Failure(Status.wrong_branch, f"the bodies are assembled another way at {where}")

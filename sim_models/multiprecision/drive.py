@@ -12,9 +12,10 @@ from itertools import accumulate, pairwise
 from math import gcd, lcm
 from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
 from flint import arb, arb_mat, arb_series, fmpq
 
-from scenes import Request, Sampling
+from scenes import AtInputs, Request, Sampling
 from scenes.laws import SAME_INSTANT
 from scenes.scene import ConstantSpeed, DriveLaw, HarmonicLaw, MotionLaw, SegmentedLaw
 
@@ -63,9 +64,15 @@ def law_of(written: DriveLaw) -> Law:
 
 
 def commands(written: DriveLaw, law: Law, request: Request) -> list[Command]:
-    """Return the command at every sample of a request; positions alone are of a constant speed."""
+    """Return the command at every sample of a request; positions alone are of a constant speed.
+
+    Inputs are taken as they are, each double exact: nothing is computed of them.
+    """
     if isinstance(request, Sampling):
         return [law(Fraction(k, request.samples)) for k in range(request.samples * request.turns + 1)]
+    if isinstance(request, AtInputs):
+        rows = np.transpose([request.given.time, *request.given.rows()]).tolist()
+        return [Command(*map(arb, row)) for row in rows]
     assert isinstance(written, ConstantSpeed)
     return [_passing(written, arb(position)) for position in request.positions]
 

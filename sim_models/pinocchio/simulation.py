@@ -44,7 +44,7 @@ class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
     def read(self) -> Motion:
         """Hand over the channels."""
         if not self._steps:
-            self.residuals = self._follower.residuals(self._poses, self._positions, self._settings.promise)
+            self.residuals = self._follower.residuals(self._poses, self._driven.position, self._settings.promise)
         return super().read()
 
     def _motion(self) -> Iterator[tuple[ClosedPose, Samples, Samples]]:
@@ -52,7 +52,7 @@ class PinocchioSimulation(CoordinateSimulation[PinocchioSystem]):
         if self._steps:
             yield from self._stepped()
             return
-        driven = inputs_of(self._scene, self._times).driven()
+        driven = self._driven
         for pose, rate, acceleration in zip(self._through(), driven.rate, driven.acceleration, strict=True):
             tangent, bend = self._follower.tangent(pose)
             yield pose, tangent * rate, bend * rate**2 + tangent * acceleration

@@ -35,7 +35,8 @@ class ExudynSimulation:
         self.poses = PoseSolver(scene, si=si)
         self.system = self.poses.system
         add_loads(self.system, self._switches, self._at_start)
-        self.times, self.positions = self.sampling.times(scene), self.sampling.commanded(scene)
+        inputs = self.sampling.inputs(scene)
+        self.times, self.positions = inputs.time, inputs.driven().position
         self._jam: Failure | None = None
         self.counters: dict[str, int] = {}
         self.residuals: dict[str, float] = {}
