@@ -4,11 +4,10 @@ A body has the coordinates x, y of its first point, over the linkage's largest l
 last and stays at zero. With r the arms of points from the first ones of their bodies, over L, every constraint is
 
     Re(conj(d e^(iθₖ)) w) = 0,  w = zᵢ + rᵢ e^(iθᵢ) - zⱼ - rⱼ e^(iθⱼ)   no distance along d, in the frame of k, or
-    θᵢ - θⱼ = 0                                                       no turn.
+    Σ nₖ θₖ = 0                                                       no turn: θᵢ - θⱼ of most.
 
-A pin has two distances, a guide one across it and a turn, the drive one along its guide or a turn, less its position.
-They are in the order of `scenes.channels.Role.force`, and as many as coordinates, m, where the linkage has one
-degree of freedom and no constraint too many.
+A drive's equation is less its position; `joints` has the equations of each kind of joint. They are in the order of
+`Scene.joints`, and as many as coordinates, m, where the linkage has one degree of freedom and no constraint too many.
 
 One step of Newton's method closes the joints of computed poses with the drive where it is. In the poses found rates and
 accelerations have no choice: with γ the second derivative of the constraints at q'' = 0 and e the drive's row,
@@ -17,6 +16,7 @@ accelerations have no choice: with γ the second derivative of the constraints a
 """
 
 from collections.abc import Iterable, Iterator
+from itertools import zip_longest
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -26,24 +26,14 @@ from scenes import Motion, Scene
 from scenes.model.constraints import DiagonalBlock, blocks, groups
 from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Slide
+from scenes.scene import GROUND
 
-from .bodies import arms, first_point, largest_length
+from .bodies import arms, largest_length
+from .joints import RULES
 from .motion_vectors import MotionVectors, Vectors
 
 Poses: TypeAlias = NDArray[np.float64]  # shape (n, bodies, 3), also of rates and accelerations
 Matrices: TypeAlias = NDArray[np.float64]  # shape (n, m, m)
-
-
-class Constraint(NamedTuple):
-    """One constraint between two bodies; its multiplier is what the second does on the first."""
-
-    first: str
-    second: str
-    arm: complex = 0  # on the first body, m
-    other: complex = 0  # on the second, m
-    along: complex = 0  # a unit vector, or zero for a turn
-    frame: str = GROUND
 
 
 class ClosedPoses(NamedTuple):
@@ -65,33 +55,20 @@ class Constraints:
         self.bodies = {name: number for number, name in enumerate((*scene.bodies, GROUND))}
         self.arms = {name: arms(scene, body) for name, body in scene.bodies.items()}
         self.arms[GROUND] = {point: complex(*place) for point, place in scene.ground.items()}
-        first, second, arm, other, along, frame = zip(*self._rows(), strict=True)
+        rows = [row for joint in scene.joints for row in RULES[type(joint)].equations(joint, scene, self.arms)]
+        first, second, arm, other, along, frame, angles = zip(*rows, strict=True)
         self._first, self._second, self._frame = (
             np.array([self.bodies[name] for name in names]) for names in (first, second, frame)
         )
         self._arm, self._other, self._along = np.array(arm) / self.size, np.array(other) / self.size, np.array(along)
         self._turns = np.flatnonzero(self._along == 0)
+        # The sums of angles, term by term: one that has fewer is filled with the ground's angle, which is zero.
+        terms = [*zip_longest(*(angles[row] for row in self._turns), fillvalue=(GROUND, 0.0))]
+        self._turning = [np.array([self.bodies[name] for name, _ in term], np.intp) for term in terms]
+        self._counts = [np.array([count for _, count in term]) for term in terms]
         self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
         somewhere = np.random.default_rng(0).normal(size=(1, len(scene.bodies), 3))  # where no entry vanishes by chance
         self._groups = _alike(groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]]))
-
-    def _rows(self) -> Iterator[Constraint]:
-        scene, arms = self.scene, self.arms
-        for pin in scene.pins:
-            second, first = arms[pin.second][pin.point], arms[pin.first][pin.point]
-            yield from (Constraint(pin.second, pin.first, second, first, axis) for axis in (1, 1j))
-        for name, guide in scene.slides.items():
-            yield Constraint(name, guide.on, 0, self._through(guide), 1j * complex(*guide.along), guide.on)
-            yield Constraint(name, guide.on)
-        for drive in scene.drives:
-            slide = drive.slide
-            line = () if slide is None else (0, self._through(slide), complex(*slide.along), drive.on)
-            yield Constraint(drive.body, drive.on, *line)
-
-    def _through(self, slide: Slide) -> complex:
-        """Where a guide passes, m, from the first point of the body that has it, or from the ground's origin."""
-        origin = 0j if slide.on == GROUND else first_point(self.scene.bodies[slide.on])
-        return complex(*slide.through) - origin
 
     def blocks(self, motion: Motion) -> Iterator[Motion]:
         """Yield a motion in pieces, of which the matrices fit in memory."""
@@ -134,7 +111,8 @@ class Constraints:
         """C(q) with the drive at a position, rad or m, of shape (n,); shape (n, m)."""
         (_, angle), (along, w, *_) = planes(q), self._parts(q)
         gaps: Samples = (along.conj() * w).real
-        gaps[:, self._turns] = (angle[:, self._first] - angle[:, self._second])[:, self._turns]
+        terms = zip(self._turning, self._counts, strict=True)
+        gaps[:, self._turns] = np.sum([count * angle[:, body] for body, count in terms], axis=0)
         gaps[:, -1] -= position / self.units[-1]
         gaps[:, self._turns] = np.remainder(gaps[:, self._turns] + np.pi, 2 * np.pi) - np.pi  # modulo a turn
         return gaps
@@ -149,7 +127,8 @@ class Constraints:
         for body, arm, sign in zip((self._first, self._second), arms, (1, -1), strict=True):
             turn = (along.conj() * 1j * arm).real
             J[:, rows, body] = sign * np.stack([along.real, along.imag, turn], axis=-1)
-            J[:, self._turns, body[self._turns], 2] = sign
+        for body, count in zip(self._turning, self._counts, strict=True):
+            J[:, self._turns, body, 2] += count
         J[:, rows, self._frame, 2] += (along.conj() * w).imag
         return J[:, :, :-1].reshape(len(q), len(rows), -1)
 

@@ -33,6 +33,7 @@ from scenes.scene import GROUND, Body
 
 from ..engines import registry
 from .bodies import inertia
+from .joints import RULES as JOINTS
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors, Vectors
 
@@ -269,22 +270,10 @@ def magnitudes(mechanics: Mechanics, motion: Motion) -> dict[str, Samples]:
 
 def of_joints(state: MotionVectors) -> Iterator[Push]:
     """Yield what pins, guides and the drive do on the bodies that they are between."""
-    scene, motion = state.scene, state.motion
-    between: list[tuple[str, str, str, Vectors, Samples | float]] = [
-        (pin.second, pin.first, pin.point, state.vector(*scene.channels.pins[pin.channel]), 0.0) for pin in scene.pins
-    ]
-    for name, slide in scene.slides.items():
-        guide = scene.channels.guides[name]
-        across = motion[guide.force] * 1j * state.along(scene.bodies[name])
-        between.append((name, slide.on, scene.bodies[name].points[0], across, motion[guide.moment]))
-    for drive in scene.drives:
-        driven, effort, turns = scene.bodies[drive.body], motion[drive.effort_channel], drive.slide is None
-        push: Vectors = np.zeros(effort.shape, np.complex128) if turns else effort * state.along(driven)
-        between.append((driven.name, drive.on, driven.points[0], push, effort if turns else 0.0))
-    for on, other, point, force, moment in between:
-        at = state.place(point)
-        both = Push(on, force, at, moment), Push(other, -force, at, -moment)
-        yield from (push for push in both if push.body != GROUND)
+    for joint in state.scene.joints:
+        for body, other, at, force, moment in JOINTS[type(joint)].acts(joint, state):
+            both = Push(body, force, at, moment), Push(other, -force, at, -moment)
+            yield from (push for push in both if push.body != GROUND)
 
 
 def power_of(state: MotionVectors, push: Push) -> Samples:
@@ -294,9 +283,5 @@ def power_of(state: MotionVectors, push: Push) -> Samples:
 
 def drive_power(state: MotionVectors) -> Samples:
     """The power of the drives, W: a torque or force by the rate of its body against that on which it stands."""
-    power = []
-    for drive in state.scene.drives:
-        body, turns = state.scene.bodies[drive.body], drive.slide is None
-        rate = state.turning(body.name)[1] - state.turning(drive.on)[1] if turns else state.sliding(body)
-        power.append(state.motion[drive.effort_channel] * rate)
-    return np.asarray(np.sum(power, axis=0), np.float64)
+    known = (JOINTS[type(joint)].power(joint, state) for joint in state.scene.joints)
+    return np.asarray(np.sum([power for power in known if power is not None], axis=0), np.float64)
