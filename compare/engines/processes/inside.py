@@ -16,6 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from ctypes import CDLL
 from dataclasses import dataclass
+from functools import lru_cache
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
@@ -25,7 +26,7 @@ from threading import Thread
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from scenes import Status
+from scenes import Scene, Status
 
 from .. import TRACEBACK
 from ..reasons import described, text_of
@@ -118,6 +119,28 @@ def _read_only(mapping: dict[Any, Any]) -> MappingProxyType[Any, Any]:
 
 
 ForkingPickler.register(MappingProxyType, lambda mapping: (_read_only, (dict(mapping),)))  # scenes hold them
+
+
+# Run after run is of one scene: it is written once, and what reads it keeps what it read, with all that was found of it
+# since. To write and to read one takes as long as a closed form's run.
+_sent: tuple[Scene | None, bytes] = (None, b"")  # the last, as it was when it was sent first
+
+
+def _to_send(scene: Scene) -> tuple[Callable[[bytes], Scene], tuple[bytes]]:
+    global _sent
+    known = _sent if _sent[0] is scene else (scene, packed(vars(scene)))
+    _sent = known
+    return _received, (known[1],)
+
+
+@lru_cache(1)
+def _received(fields: bytes) -> Scene:
+    scene = Scene.__new__(Scene)
+    vars(scene).update(pickle.loads(fields))
+    return scene
+
+
+ForkingPickler.register(Scene, _to_send)
 
 
 def _prepare(parent: int, connection: int) -> None:

@@ -6,6 +6,7 @@ import sys
 from dataclasses import replace
 from itertools import chain, repeat
 from pathlib import Path
+from pickle import loads
 from signal import SIGINT
 from time import process_time, sleep
 from unittest.mock import Mock, patch
@@ -15,7 +16,7 @@ import pytest
 import scenes
 from compare.contract.test_process import digest
 from compare.engines import registry, runner
-from compare.engines.processes.inside import LINUX, Ended, Limits
+from compare.engines.processes.inside import LINUX, Ended, Limits, packed
 from compare.engines.processes.stopping import Stopped
 from compare.engines.processes.workers import Workers, workers
 from compare.engines.registry import ORACLE
@@ -165,3 +166,17 @@ def test_engines_of_a_worker_of_the_caller_s_run_in_it(scene: Scene, monkeypatch
     with workers(["analytic"], quiet) as runs:
         assert children() == []
         assert runs.run("analytic", scene, SAMPLING).status is Status.ok
+
+
+def test_a_scene_is_sent_once_and_none_is_taken_for_another(scene: Scene) -> None:
+    """What was found of a scene stays with it in the engine's process; one with another name or number is another."""
+    other = replace(scene, gravity=(0.0, -1.0))
+    first, second = packed((1, scene)), packed((2, scene))
+    known = loads(first)[1]
+    assert loads(second)[1] is known
+    assert known == scene
+    assert known.tables == scene.tables
+    for sent, asked in ((packed(other), other), (first, scene), (packed(scene), scene)):
+        received = loads(sent)
+        received = received[1] if isinstance(received, tuple) else received
+        assert (received, received.gravity) == (asked, asked.gravity)
