@@ -12,7 +12,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ..scene import Pin, Scene
+from ..joints import Joint
+from ..scene import Scene
 from .motion import Samples
 
 Pattern: TypeAlias = Sequence[Sequence[int]]  # by row the columns where an entry may be other than zero
@@ -145,10 +146,13 @@ def misfit(
     return ""
 
 
-def joint_rows(pins: Sequence[Pin], sliders: Iterable[str]) -> dict[str, list[int]]:
-    """By name the rows that are gaps of a joint, where constraints are in the order of the force channels."""
-    guides = {f"the guide of {name}": [2 * row] for row, name in enumerate(sliders, start=len(pins))}
-    return guides | {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(pins)}
+def joint_rows(joints: Iterable[Joint]) -> dict[str, list[int]]:
+    """By name the rows that are gaps of a joint, where constraints are in the order of joints; pins come last."""
+    first, gaps = 0, list[tuple[str, list[int]]]()
+    for joint in joints:
+        gaps.append((joint.label, [*range(first, first + joint.gaps)]))
+        first += joint.equations
+    return {label: rows for label, rows in sorted(gaps, key=lambda gap: len(gap[1])) if rows}
 
 
 def blocks(q: Samples) -> Iterator[slice]:

@@ -5,9 +5,7 @@ constraints C(x) = e s, s the position of the drive in its own unit and e the la
 
     C_x v = e s',    C_x a = e s'' - (C_x v)_x v,    C_x^T l = d/dt (dL/dv) - dL/dx - Q,    L = T - V.
 
-The rows of C are in the order of the scene's force channels, each over its unit: of a pin second - first, so that its
-multiplier is the force of the first body on the second; of a slide the offset of the slider's first point along the
-guide's normal, and the slider's angle from the guide's.
+The rows of C are in the order of the scene's joints, each over its unit; their multipliers are the force channels.
 """
 
 from functools import cached_property
@@ -22,6 +20,7 @@ from scenes.scene import GROUND
 
 from ..coordinates.system import System
 from .elements import RULES
+from .joints import RULES as JOINTS
 
 
 class SymbolicLinkage:
@@ -29,13 +28,12 @@ class SymbolicLinkage:
 
     def __init__(self, system: System) -> None:
         self.scene, self.bodies, self.size, self.row_units = system.scene, system.bodies, system.size, system.row_units
-        self._arms, self._guides, self.drive = system.arms, system.guides, system.drive
+        self._arms, self._guides = system.arms, system.guides
         self.index = {name: number for number, name in enumerate(self.bodies)}
         self.x, self.v, self.a = (SX.sym(name, len(system.units)) for name in "xva")
         self._q = self.x * system.units
-        pins = (self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in self.scene.pins)
-        rows = vertcat(*pins, *map(self._slide, self.scene.slides), self.drive_position)
-        self.constraints = rows / self.row_units
+        rows = [JOINTS[type(joint)](joint, self) for joint in self.scene.joints]
+        self.constraints, self.drive_position = vertcat(*rows) / self.row_units, rows[-1]  # rad or m
 
     def angle(self, body: str) -> Any:
         """Return the angle of a body's x axis, rad."""
@@ -60,15 +58,6 @@ class SymbolicLinkage:
     def way(self, pair: PointPair) -> Any:
         """Return the way from the first of two points to the second, m."""
         return self.point(*pair.second) - self.point(*pair.first)
-
-    @property
-    def drive_position(self) -> Any:
-        """The position of the drive, rad or m."""
-        body = self.drive.body
-        return self.angle(body) if self.drive.slide is None else self.slid(body)
-
-    def _slide(self, body: str) -> Any:
-        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self._guides[body].carrier))
 
     def slid(self, body: str, *, across: bool = False) -> Any:
         """Return where a slider's first point is from `through`, along its guide or across it, m."""

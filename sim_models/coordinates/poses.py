@@ -144,7 +144,7 @@ class PathFollower:
 
     def misfit(self, pose: ClosedPose, position: float) -> str:
         """Return which joint stays open near a pose when all others close, for a message; or nothing."""
-        system, joints = self.system, joint_rows(self.system.pins, self.system.sliders)
+        system, joints = self.system, joint_rows(self.system.joints)
         given = (
             (lambda position, x: system.gaps(x) - self.goal(position)),
             system.jacobian,

@@ -13,10 +13,12 @@ import numpy as np
 
 from scenes import Scene
 from scenes.elements.element import End
+from scenes.joints import Guide
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .bodies import MovingBody, framed_body, linkage_size
+from .joints import RULES
 from .loads import SHORTEST_SPRING, LoadedPose, Wrench, applied
 
 MAX_CONTRACTION = 0.25  # of a correction to the one before
@@ -65,7 +67,6 @@ class System:
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, self.bodies)
         self.drive = scene.drive
-        self.drive_unit = 1.0 if self.drive.slide is None else self.size  # of the drive's position
         self.arms = {
             (GROUND, point): complex(*place) for point, place in scene.ground.items()
         }  # in the bodies' frames, m
@@ -76,13 +77,14 @@ class System:
         for name, slide in scene.slides.items():
             through, along = complex(*slide.through), complex(*slide.along)
             self.guides[name] = GuideLine(slide.on, through, along, self.arms[name, scene.bodies[name].points[0]])
-        self.pins, self.sliders = list(scene.pins), [] if slides else [*self.guides]  # those that are constraints
+        # Those that are constraints; the drive is the last.
+        self.joints = [joint for joint in scene.joints if not (slides and isinstance(joint, Guide))]
         self.coordinates = [coordinate for name in self.bodies for coordinate in self.coordinates_of(name)]
         self.units = np.array([1.0 if name.endswith(".turn") else self.size for name in self.coordinates])
 
     def coordinates_of(self, body: str) -> list[str]:
         """Return the names of a body's coordinates; that which may be driven is the last."""
-        slides = body in self.guides and body not in self.sliders
+        slides = body in self.guides and not any(isinstance(joint, Guide) for joint in self.joints)
         return [f"{body}.s"] if slides else [f"{body}.x", f"{body}.y", f"{body}.turn"]
 
     def placed(self, bodies: Mapping[str, MovingBody]) -> Samples:
@@ -130,7 +132,12 @@ class System:
     @cached_property
     def row_units(self) -> Samples:
         """What the rows of C are over, m or rad, shape (m,)."""
-        return np.array([self.size] * 2 * len(self.pins) + [self.size, 1.0] * len(self.sliders) + [self.drive_unit])
+        return np.array([unit for joint in self.joints for unit in RULES[type(joint)].units(self.size)])
+
+    @property
+    def drive_unit(self) -> float:
+        """What the drive's position is over, m or rad."""
+        return float(self.row_units[-1])
 
     def gaps(self, x: Samples) -> Samples:
         """Return C(x), shape (m,), at coordinates of shape (n,)."""
@@ -146,22 +153,13 @@ class System:
 
     def rows_of(self, bodies: Mapping[str, MovingBody], level: int) -> Samples:
         """Return the rows' values, shape (m,), or their first or second derivatives, of bodies as they move."""
-        rows = list[float | Samples]()
-        for pin in self.pins:
-            first, second = (bodies[body].at(self.arms[body, pin.point])[level] for body in (pin.first, pin.second))
-            rows += [(second - first).real, (second - first).imag]
-        for name in self.sliders:
-            # One row form at three levels: values, first derivatives and second derivatives of the same expression.
-            # With unit rates in v the first level gives all columns of the Jacobian at once, of shape (rows, n).
-            turn, carrier_turn = (bodies[body].turning[level] for body in (name, self.guides[name].carrier))
-            rows += [self.slid(bodies, name)[level].imag, turn - carrier_turn]
-        rows.append(self.driven(bodies, level))
+        rows = [row for joint in self.joints for row in RULES[type(joint)].rows(joint, self, bodies, level)]
         return np.asarray((np.array(rows).T / self.row_units).T)
 
     def driven(self, bodies: Mapping[str, MovingBody], level: int = 0) -> Any:
         """Return the position of the drive, or its first or second derivative by the time."""
-        body = self.drive.body
-        return bodies[body].turning[level] if self.drive.slide is None else self.slid(bodies, body)[level].real
+        (position,) = RULES[type(self.joints[-1])].rows(self.joints[-1], self, bodies, level)
+        return position
 
     def step(self, pose: ClosedPose, goal: Samples) -> tuple[ClosedPose | None, int]:
         """Return the pose where C(x) = goal, None where the step is too long, and the iterations of Newton's method."""

@@ -98,7 +98,7 @@ class Equations:
     def misfit(self, q: Array, positions: Iterable[float]) -> str:
         """Name the joint that stays open when all others close, near q at the first position where one does."""
         scene, system = self._system.scene, self._system
-        given = self.jacobian, q, system.units, joint_rows(scene.pins, scene.slides), system.size
+        given = self.jacobian, q, system.units, joint_rows(scene.joints), system.size
         return misfit(scene, positions, lambda position, pose: self.residual(pose, position), *given)
 
 

@@ -14,16 +14,15 @@ from scenes.scene import GROUND
 
 from .bodies import local_points, weight
 from .drive import law_of
+from .joints import RULES
 from .rows import AXES, EquationRows, dot
 
 
 class LinkageEquations:
     """The equations of one scene: f(q) = `constraints` is `drive(position)`; observed `points`, masses.
 
-    The constraint rows are in the order of the scene's force channels, and a multiplier is that channel: a pin's rows
-    are second - first, so λ is the force of the first body on the second; a slide's are the offset of its first point
-    along the guide's normal, and its angle from the guide; the last is the position of the drive. It raises Failure
-    where the lengths of a body do not close, or the sketch does not decide how.
+    The constraint rows are those of the scene's joints in their order, the drive's last, and a multiplier is the force
+    channel of its row. It raises Failure where the lengths of a body do not close, or the sketch does not decide how.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -50,7 +49,7 @@ class LinkageEquations:
             for axis in (0, 1):
                 self.add_point(self.points, 2 * k + axis, AXES[axis], scene.owners[point][0], point)
         self.position = EquationRows(1, len(self.index), int(self.prescribed.slide is not None))  # of the drive
-        self._add_drive(self.position, 0)
+        RULES[type(scene.joints[-1])](scene.joints[-1], self, self.position, 0)
 
     def rows(self, count: int) -> EquationRows:
         """Return so many rows of equations, to which terms are to be added."""
@@ -103,24 +102,18 @@ class LinkageEquations:
 
     def _constraints(self) -> EquationRows:
         scene = self.scene
-        count = 2 * len(scene.pins) + 2 * len(scene.slides) + 1
         moving = sum(slide.on != GROUND for slide in scene.slides.values())
-        rows = EquationRows(count, len(self.index), moving, self.size)
-        for k, pin in enumerate(scene.pins):
-            self.add_way(rows, 2 * k, (pin.first, pin.point), (pin.second, pin.point))
-        for k, (name, slide) in enumerate(scene.slides.items(), start=len(scene.pins)):
-            self._add_projection(rows, 2 * k, name, scene.bodies[name].points[0], AXES[1] * acb(*slide.along))
-            self.add_angle(rows, 2 * k + 1, name, slide.on)
-        self._add_drive(rows, count - 1)
+        rows = EquationRows(sum(joint.equations for joint in scene.joints), len(self.index), moving, self.size)
+        row = 0
+        for joint in scene.joints:
+            RULES[type(joint)](joint, self, rows, row)
+            row += joint.equations
         return rows
 
-    def _add_drive(self, rows: EquationRows, row: int) -> None:
-        """Add the position of the drive: the crank's angle, or the driven slider's displacement."""
-        name, slide = self.prescribed.body, self.prescribed.slide
-        if slide is None:
-            self.add_angle(rows, row, name, self.prescribed.on)
-        else:
-            self._add_projection(rows, row, name, self.scene.bodies[name].points[0], acb(*slide.along))
+    def add_slid(self, rows: EquationRows, row: int, body: str, *, across: bool = False) -> None:
+        """Add the displacement of a slider's first point along its guide, or its offset."""
+        along = acb(*self.scene.slides[body].along)
+        self._add_projection(rows, row, body, self.scene.bodies[body].points[0], AXES[1] * along if across else along)
 
     def _add_projection(self, rows: EquationRows, row: int, name: str, point: str, direction: acb) -> None:
         """Add the way from `through` of a guide to a point P of its slider, projected on a direction e of the guide.

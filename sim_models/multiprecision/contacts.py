@@ -17,7 +17,7 @@ if TYPE_CHECKING:  # which kinds there are rules for is asked without python-fli
 class RubbingBalls(NamedTuple):
     """A joint with friction."""
 
-    joint: int  # its number among pins and then slides
+    joint: int  # its number among the scene's joints
     work: EquationRows  # of a unit of friction
     presses: Sequence[arb_mat]  # each times the joint's two multipliers is what presses its surfaces together, N
     radius: arb | None  # at which it resists, m; None of a force

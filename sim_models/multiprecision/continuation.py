@@ -179,7 +179,7 @@ class Continuation:
             np.linspace(here, there, TRIALS)[1:],
             lambda position, q: _floats(rows.value(_balls(q)) - linkage.drive(position)),
             lambda q: np.array(rows.jacobian(_balls(q)).tolist(), dtype=float),
-            *(_floats(q), self._units, joint_rows(scene.pins, scene.slides), linkage.size),
+            *(_floats(q), self._units, joint_rows(scene.joints), linkage.size),
         )
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
         return Failure(Status.cannot_assemble, reason + open_by)

@@ -6,16 +6,19 @@ coordinate: the angle between two bodies, rad, or the displacement along a guide
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio
 
 from scenes import Scene
+from scenes.joints import Guide, Joint, Pin
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import MovingBody
+from ..coordinates.joints import RULES
 from ..coordinates.loads import Wrench
 from ..coordinates.system import System
 
@@ -59,14 +62,12 @@ class PinocchioSystem(System):
             turns[joint.child] = turns[joint.parent] + joint.turns * axis
         self._turns = np.array([*turns.values()])  # of every body by coordinate: 0 or 1
         self._data: Any = self._model.createData()
-        pins = {joint.name for joint in self._joints if joint.turns}
-        slides = {joint.name for joint in self._joints if not joint.turns}
+        in_tree = {(Pin if joint.turns else Guide, joint.name) for joint in self._joints}
         self.arms = {end: arm - self._anchors[end[0]] for end, arm in self.arms.items()}
         for name, guide in self.guides.items():
             through, first = guide.through - self._anchors[guide.carrier], guide.first - self._anchors[name]
             self.guides[name] = guide._replace(through=through, first=first)
-        self.pins = [pin for pin in scene.pins if pin.channel not in pins]
-        self.sliders = [name for name in self.guides if name not in slides]
+        self.joints = [joint for joint in scene.joints if (type(joint), _name(joint)) not in in_tree]
         self.units = np.array([1.0 if joint.turns else self.size for joint in self._joints])
 
     def placed(self, bodies: Mapping[str, MovingBody]) -> Samples:
@@ -114,9 +115,8 @@ class PinocchioSystem(System):
         multipliers = np.linalg.solve(J.T, needed) / self.row_units
         self._inverse_dynamics(bodies, motion, [*loads, *self._held(bodies, multipliers)])
         known = self.scene.channels
-        names = [name for pin in self.pins for name in known.pins[pin.channel]]
-        names += [name for slider in self.sliders for name in known.guides[slider]]
-        channels = dict(zip([*names, known.drive.effort], multipliers, strict=True))
+        names = (channel.name for joint in self.joints for channel in joint.channels(self.scene))
+        channels = dict(zip(names, multipliers, strict=True))
         for joint in self._joints:
             exerted = self._data.f[self._number[joint.child]]  # by the parent, in the child's frame
             force = joint.sense * complex(*exerted.linear[:2]) * bodies[joint.child].turn
@@ -133,18 +133,8 @@ class PinocchioSystem(System):
     def _held(self, bodies: Mapping[str, MovingBody], multipliers: Samples) -> Iterator[Wrench]:
         """Yield what the joints that close loops and the drive do, by their multipliers in the order of the rows."""
         rows = iter(multipliers.tolist())
-        for pin in self.pins:
-            place, force = bodies[pin.second].place(self.arms[pin.second, pin.point]), complex(next(rows), next(rows))
-            yield from (Wrench(pin.second, place, force), Wrench(pin.first, place, -force))
-        for name in self.sliders:
-            carrier, _, along, first = self.guides[name]
-            foot, force, moment = bodies[name].place(first), 1j * bodies[carrier].turn * along * next(rows), next(rows)
-            yield from (Wrench(name, foot, force, moment), Wrench(carrier, foot, -force, -moment))
-        driven, effort = self.drive.body, next(rows)
-        if self.drive.slide is None:
-            yield Wrench(driven, 0j, 0j, effort)
-        else:
-            yield Wrench(driven, bodies[driven].place(self.guides[driven].first), self.guides[driven].along * effort)
+        for joint in self.joints:
+            yield from RULES[type(joint)].holds(joint, self, bodies, [*islice(rows, joint.equations)])
 
     def _inverse_dynamics(
         self, bodies: Mapping[str, MovingBody], motion: Sequence[Samples], wrenches: Iterable[Wrench]
@@ -202,6 +192,16 @@ def _spanned(linkage: System) -> Iterator[TreeJoint]:
             if joint.parent == body and joint.child not in reached:
                 reached.append(joint.child)
                 yield joint
+
+
+def _name(joint: Joint) -> str:
+    """What a joint would be called in the tree; nothing of one that cannot be there."""
+    match joint:
+        case Pin():
+            return joint.channel
+        case Guide():
+            return joint.slider
+    return ""
 
 
 def _space(vector: complex) -> Samples:

@@ -183,7 +183,7 @@ def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Gap
     """Tell why there is no next place: none exists, or two are too close together; `ahead` is a step further."""
     scene, where = linkage.scene, linkage.scene.where(position)
     if _newton(linkage, q, np.array([position]), gaps, MAX_PATIENT_NEWTON_STEPS) is None:
-        units, joints = np.tile([linkage.size, linkage.size, 1.0], q.shape[1]), joint_rows(scene.pins, scene.slides)
+        units, joints = np.tile([linkage.size, linkage.size, 1.0], q.shape[1]), joint_rows(scene.joints)
         open_by = misfit(
             scene,
             np.linspace(position, ahead, TRIALS)[1:],
