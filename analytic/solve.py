@@ -149,7 +149,7 @@ class Solver:
 
     def _is_recorded(self, driven: Driven) -> bool:
         """Whether the recorded line, in which a constant speed is the scene's own, is of such rates."""
-        law = self.scene.drive.law
+        law = self.linkage.drive.law
         if not isinstance(law, ConstantSpeed):
             return True
         return bool((driven.rate == law.speed).all() and not driven.acceleration.any())

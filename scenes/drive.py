@@ -7,7 +7,7 @@ point along its guide from `through`, m. `position` below is the one or the othe
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi, remainder, tau
+from math import inf, pi, remainder, tau
 from typing import Annotated, TypeAlias
 
 import numpy as np
@@ -189,6 +189,11 @@ class Drive:
     def unit(self) -> float:
         """What its errors are shares of: one radian of a crank, the span of a slider, m."""
         return 1.0 if self.slide is None else self.span
+
+    @property
+    def turn(self) -> float:
+        """How far apart two positions are that are one place, rad: a turn of a crank; infinite of a slider."""
+        return tau if self.slide is None else inf
 
     def in_range(self, position: float) -> float:
         """A position, rad or m; of a crank that by whole turns next to the middle of its range.

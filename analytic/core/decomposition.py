@@ -15,6 +15,7 @@ import numpy as np
 
 from scenes import Failure, Scene, Status
 from scenes.arguments import scene_of
+from scenes.drive import Drive
 from scenes.scene import GROUND
 
 from .dyads import cross
@@ -37,6 +38,7 @@ class Pinned:
     body: str
     A: str
     via: str | None = None
+    drive: Drive | None = field(default=None, compare=False)  # between the two
 
 
 @dataclass(frozen=True)
@@ -89,18 +91,25 @@ class Linkage:
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
     arm: Number  # m, the longest
+    drives: tuple[Drive, ...]
     tracks: Mapping[Group, Track] = field(default_factory=dict)  # of the larger groups that have been followed
+
+    @property
+    def drive(self) -> Drive:
+        """The only drive, for what is a function of its position: tracks, ranges, dead points, assemblies."""
+        (drive,) = self.drives
+        return drive
 
 
 def decompose(scene: Scene) -> Linkage:
     """Split a linkage into its driver and its Assur groups: dyads while there are any, in the order of the file."""
     bodies = {name: rigid_body(scene, body) for name, body in scene_of(scene).bodies.items()}
     placed = _Placed(scene, bodies)
-    driven = scene.drive.body
     driver = None
-    if scene.drive.on == GROUND:
-        driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.drive.slide is None))
-        placed.add(driven)
+    for name, drive in scene.driven.items():
+        if drive.on == GROUND:
+            driver = next(leg for leg in placed.outer(name) if isinstance(leg, Pinned) == (drive.slide is None))
+            placed.add(name)
     groups: list[Dyad | Group] = []
     # Greedy, in solving order: placing a group never spoils another one, since more placed points only help what is
     # left.
@@ -109,7 +118,7 @@ def decompose(scene: Scene) -> Linkage:
         groups.append(group)
         for body in members(group):
             placed.add(body)
-    return Linkage(driver, tuple(groups), bodies, placed.carries, longest_arm(scene, bodies))
+    return Linkage(driver, tuple(groups), bodies, placed.carries, longest_arm(scene, bodies), scene.drives)
 
 
 def route(scene: Scene) -> str:
@@ -119,9 +128,14 @@ def route(scene: Scene) -> str:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     kinds = [*map(kind, decompose(scene).groups)]  # first: it refuses what is no scene
-    drivers = ("crank", "driven slider") if scene.drive.on == GROUND else ("driven elbow", "driven cylinder")
-    groups = ", ".join([drivers[scene.drive.slide is not None], *kinds])
+    groups = ", ".join([*map(_driver, scene.drives), *kinds])
     return f"closed form: {groups}" if in_closed_form(scene) else groups
+
+
+def _driver(drive: Drive) -> str:
+    """Return what a route calls a drive."""
+    turning, sliding = ("crank", "driven slider") if drive.on == GROUND else ("driven elbow", "driven cylinder")
+    return turning if drive.slide is None else sliding
 
 
 def in_closed_form(scene: Scene) -> bool:
@@ -193,14 +207,16 @@ class _Placed:
 def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     """Yield the dyads among the bodies left that hang on what is placed by one outer joint each."""
     scene = placed.scene
-    driven = scene.drive.on, scene.drive.body
+    between = [(drive, drive.on, drive.body) for drive in scene.drives]
+    driven = {name for _, *both in between for name in both}
     legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1 and name not in driven}
-    for via, body in (driven, driven[::-1]) if {*driven} <= {*left} else ():
-        match placed.outer(via), placed.outer(body):
-            # Two bodies with the drive between them, of which one is pinned to what is placed and the other to nothing,
-            # are one leg whose length or bend the drive changes.
-            case [Pinned(_, A)], []:
-                legs[body] = Pinned(body, A, via)
+    for drive, first, second in between:
+        for via, body in ((first, second), (second, first)) if {first, second} <= {*left} else ():
+            match placed.outer(via), placed.outer(body):
+                # Two bodies with the drive between them, of which one is pinned to what is placed and the other to
+                # nothing, are one leg whose length or bend the drive changes.
+                case [Pinned(_, A)], []:
+                    legs[body] = Pinned(body, A, via, drive)
     for P, owners in scene.owners.items():
         for first, second in combinations(owners, 2):
             if P not in placed.points and first in legs and second in legs:
@@ -209,7 +225,7 @@ def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     for pair in combinations(legs, 2):
         for first, second in (pair, pair[::-1]):
             inner, pinned = placed.guided(first, second), legs[second]
-            if inner is not None and isinstance(pinned, Pinned) and not {first, second} & {*driven}:
+            if inner is not None and isinstance(pinned, Pinned) and not {first, second} & driven:
                 yield _inner_slide(placed, legs[first], pinned, inner)
 
 

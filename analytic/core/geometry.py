@@ -68,9 +68,9 @@ def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> Number:
     for slide in scene.slides.values():
         t, through = as_complex(slide.along), as_complex(slide.through)
         arms += [abs(cross(t, point - through)) for point in points[slide.on]]
-    start, end = scene.drive.law.extent
+    extents = [drive.law.extent for drive in scene.drives]
     arm = largest(*arms) if arms else 0.0
-    return chosen(arm > 0, arm, end - start)
+    return chosen(arm > 0, arm, largest(*(end - start for start, end in extents)))
 
 
 def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
@@ -109,7 +109,7 @@ def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) 
     aligned = scene.aligned[body]
     if GROUND in aligned:
         return 1 + 0j
-    if scene.drive.on == GROUND and scene.drive.body in aligned:
+    if any(drive.on == GROUND and drive.body in aligned for drive in scene.drives):
         return cmath.exp(1j * scene.sketch.drive)
     at = scene.drawn
     names = (body, *sorted(aligned))
@@ -126,9 +126,10 @@ def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) 
             a, b = shown[on][0], shown[name][0]
             return _unit((at[b] - at[a]) * _way(scene, bodies, (on, a), (name, b), abs(at[b] - at[a])).conjugate())
     turned = cmath.exp(1j * scene.sketch.drive)
-    if scene.drive.body in aligned:
-        return sketched_attitude(scene, scene.drive.on, bodies) * turned
-    return sketched_attitude(scene, scene.drive.body, bodies) * turned.conjugate()
+    (drive,) = scene.drives
+    if drive.body in aligned:
+        return sketched_attitude(scene, drive.on, bodies) * turned
+    return sketched_attitude(scene, drive.body, bodies) * turned.conjugate()
 
 
 def _way(
@@ -139,7 +140,7 @@ def _way(
     slide = scene.slides[name]
     along = as_complex(slide.along)
     way = as_complex(slide.through) + bodies[name].local[b] - bodies[name].first - bodies[on].local[a]
-    if scene.drive.body == name:
+    if name in scene.driven:
         return way + along * scene.sketch.drive
     across = cross(along, way)
     return along * as_complex((root((apart - across) * (apart + across)), across))  # the rod is pushed out

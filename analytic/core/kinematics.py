@@ -37,7 +37,7 @@ def followed(scene: Scene, whole: Linkage) -> Linkage:
         if isinstance(group, Group) and group not in known:
             before = replace(whole, groups=whole.groups[:number], tracks=dict(known))
             with np.errstate(invalid="ignore", divide="ignore"):  # next to a singular configuration
-                known[group] = follow(scene, group, whole.bodies, partial(placed, scene, before, group))
+                known[group] = follow(scene, whole.drive, group, whole.bodies, partial(placed, scene, before, group))
     return replace(whole, tracks=known)
 
 

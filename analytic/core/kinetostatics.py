@@ -117,17 +117,18 @@ class Balance(Loading):
 
     def between(self, leg: Pinned, P: str, at_pin: Vectors) -> None:
         """Balance what a leg with the drive in it has beyond that, given the force at its inner pin."""
-        scene, k = self.scene, self.k
+        scene, k, drive = self.scene, self.k, leg.drive
+        assert drive is not None, "only of a leg with one"
         force, moment = self.far[leg.body]
         force = force + at_pin
-        body, sign = scene.drive.body, 1 if leg.body == scene.drive.body else -1
-        if (slide := scene.drive.slide) is not None:
+        body, sign = drive.body, 1 if leg.body == drive.body else -1
+        if (slide := drive.slide) is not None:
             t = k.u[slide.on] * as_complex(slide.along)
             about_first = moment + cross(k.z[P] - k.z[scene.bodies[body].points[0]], force)
             self.reactions.guide[body] = -sign * cross(t, force), -sign * about_first
             self.reactions.effort = -sign * dot(t, force)
             return
-        pin = next(point for point in scene.bodies[body].points if point in scene.bodies[scene.drive.on].points)
+        pin = next(point for point in scene.bodies[body].points if point in scene.bodies[drive.on].points)
         for name, on_body in ((leg.body, -force), (leg.via or "", force)):
             self.hold(name, pin, on_body)
         self.reactions.effort = -sign * (moment + cross(k.z[P] - k.z[pin], force))

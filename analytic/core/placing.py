@@ -157,11 +157,13 @@ class Placing:
 
     def arm(self, leg: Pinned, P: str) -> tuple[Vector, Vector, Vector]:
         """L, L' and L'' of a leg with the drive in it, m."""
-        body, on, driven = self.scene.drive.body, self.scene.drive.on, self.driven
+        drive, driven = leg.drive, self.driven
+        assert drive is not None, "only of a leg with one"
+        body, on = drive.body, drive.on
         x, rate, acceleration = driven.position, driven.rate, driven.acceleration
         b, c = self.linkage.bodies[body].local, self.linkage.bodies[on].local
         sign = 1 if leg.body == body else -1
-        if (slide := self.scene.drive.slide) is not None:
+        if (slide := drive.slide) is not None:
             along = as_complex(slide.along)
             way = as_complex(slide.through) - self.linkage.bodies[body].first + along * x
             L = way + b[P] - c[leg.A] if sign > 0 else c[P] - b[leg.A] - way
@@ -197,8 +199,8 @@ class Placing:
             if spin is not None:
                 k.v[P] = self.foot_v(leg, p) + p * (1j * spin[0])
                 k.a[P] = self.foot_a(leg, p, spin[0]) + p * k.rate[leg.via]
-        if self.scene.drive.slide is None:
-            sign: Any = 1 if leg.body == self.scene.drive.body else -1
+        if leg.drive is not None and leg.drive.slide is None:
+            sign: Any = 1 if leg.body == leg.drive.body else -1
             u = u * np.exp(1j * (sign * self.driven.position))
             if spin is not None:
                 spin = spin[0] + sign * self.driven.rate, spin[1] + sign * self.driven.acceleration

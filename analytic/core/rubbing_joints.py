@@ -91,9 +91,10 @@ class FrictionBalance(Balance):
         turning = (np.abs(self.k.omega[body]) for body in self.scene.bodies)
         moving = (np.abs(self.k.v[point]) for point in self.scene.moving_points)
         fastest = reduce(np.maximum, turning), reduce(np.maximum, moving)
-        if isinstance(self.scene.drive.law, ConstantSpeed) and not np.ndim(self.k.drive):
+        law = self.linkage.drive.law
+        if isinstance(law, ConstantSpeed) and not np.ndim(self.k.drive):
             return fastest  # a constant rate never rests
-        rests = np.abs(self.k.drive) <= AT_REST * self.scene.drive.law.peak_rate  # and all rates are round-off
+        rests = np.abs(self.k.drive) <= AT_REST * law.peak_rate  # and all rates are round-off
         return np.where(rests, np.inf, fastest[0]), np.where(rests, np.inf, fastest[1])
 
     def rubbing(self, one: Friction) -> Rubbing:

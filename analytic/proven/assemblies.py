@@ -18,7 +18,7 @@ in Moore, Kearfott, Cloud, Introduction to Interval Analysis, 2009, chapter 8).
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import inf, remainder, sqrt, tau
+from math import inf, remainder, sqrt
 from typing import Any
 
 import numpy as np
@@ -127,7 +127,7 @@ def _known(place: End, others: Sequence[End], turn: float) -> bool:
 # interval between two samples of the way is not seen.
 def _circuits(scene: Scene, whole: Linkage, position: float) -> Mapping[tuple[Any, ...], tuple[int, Sequence[End]]]:
     """By branches of dyads, the number of the circuit that a position is on, and where it meets others."""
-    turn, parts = tau if scene.drive.slide is None else inf, list[tuple[tuple[Any, ...], tuple[End, ...]]]()
+    turn, parts = whole.drive.turn, list[tuple[tuple[Any, ...], tuple[End, ...]]]()
     for branches in product((1, -1), repeat=len(whole.groups)):
         groups: Any = (replace(group, branch=b) for group, b in zip(whole.groups, branches, strict=True))  # type: ignore[arg-type]
         way = replace(whole, groups=tuple(groups))

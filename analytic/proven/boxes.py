@@ -64,10 +64,10 @@ class Boxes:
             chain: whether dyads of two bars are one system; None where more groups hang on each other than bear bounds
                 of bounds.
         """
-        self.scene, self.like, law = scene, 3 + len(off), scene.drive.law
-        self.edges = cycle_edges(scene, 0, 1)
+        self.scene, self.like, whole = scene, 3 + len(off), decompose(scene)
+        self.law = whole.drive.law
+        self.edges = cycle_edges(self.law, 0, 1)
         self.way = float(np.ptp(self.edges))  # of a cycle
-        whole = decompose(scene)
         angles = [own_channel(group.P, TRANSMISSION) for group in whole.groups if not isinstance(group, Group)]
         parts, channels = {**scene.channels.magnitudes, TRANSMISSION: angles}, None
         if names is not None:
@@ -104,7 +104,7 @@ class Boxes:
         self.branches: Branches | None = None
         if self.poses:
             poses_over = partial(self._over, BoxLine(self.poses, self.like, self.numbers, room=ROOM))
-            self.branches = branches(poses_over, self.divided(FIRST_BOXES), self.most, periodic=law.periodic)
+            self.branches = branches(poses_over, self.divided(FIRST_BOXES), self.most, periodic=self.law.periodic)
         for place, (displacement, _) in self.program.strokes.items():
             self.numbers[place] = self._stroke_end(displacement, scene.presses[place].closing)
         self._line = self._line_of([*(rows[name] for name in self.names), *self.program.conditions.values()])
@@ -126,7 +126,7 @@ class Boxes:
     def over(self, first: int, last: int) -> "Boxes":
         """The same of the cycles from one number to another, the first being 0."""
         others = copy(self)
-        others.edges = cycle_edges(self.scene, first, last)
+        others.edges = cycle_edges(self.law, first, last)
         return others
 
     def divided(self, count: int) -> tuple[Samples, Samples]:
@@ -182,7 +182,7 @@ class Boxes:
         middle = (low + high) / 2
         way = point(middle, self.like)
         way.c[1] = np.maximum(high - middle, middle - low)
-        law = self.scene.drive.law
+        law = self.law
         # At a constant speed the line's variable is the position, and the time follows from it; with a law it is the
         # time, and position, rate and acceleration follow from its piece.
         if isinstance(law, ConstantSpeed):
@@ -196,7 +196,7 @@ class Boxes:
 
     def _guesses(self, state: Driven, low: Samples, high: Samples) -> dict[str, TaylorModel]:
         """Where Newton's method begins in larger groups: in the middle of a box and at its ends, by what is near."""
-        law, constant = self.scene.drive.law, isinstance(self.scene.drive.law, ConstantSpeed)
+        law, constant = self.law, isinstance(self.law, ConstantSpeed)
         ends = (end if constant else law.at(end).position for end in (low, high))
         places = np.concatenate([state.position, *ends])
         several, found = (
@@ -241,13 +241,13 @@ def _chosen(numbers: TaylorModel) -> tuple[TaylorModel, Numbers]:
     return TaylorModel(c, np.where(known, 0.0, numbers.rest[:, box])), box
 
 
-def cycle_edges(scene: Scene, first: int, last: int) -> Samples:
+def cycle_edges(law: DriveLaw, first: int, last: int) -> Samples:
     """The ends of a drive's cycles from one number to another, and of a law's pieces, shape (n,), increasing.
 
     They are positions of the drive, rad or m, or instants, s, between which all is smooth but for what depends on
     bodies.
     """
-    law, cycles = scene.drive.law, np.arange(first, last + 1)
+    cycles = np.arange(first, last + 1)
     if isinstance(law, ConstantSpeed):
         return np.sort(law.after(cycles))
     begins = np.add.outer(law.cycle * cycles[:-1], [piece.begin for piece in law.pieces])

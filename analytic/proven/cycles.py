@@ -45,12 +45,12 @@ def over_cycles(boxes: Boxes, turns: int, extremes: Callable[[Boxes], Enclosures
 
 def _lasting(boxes: Boxes) -> bool:
     """Whether a load or a spring goes on from one cycle to the next."""
-    scene, law = boxes.scene, boxes.scene.drive.law
+    scene, law, drive = boxes.scene, boxes.law, boxes.core.linkage.drive
     if not (law.periodic and boxes.core.request.wants_forces(scene)):
         return False
     # A table continues if the cycle is no whole number of its periods. Over the drive's position its period is compared
     # with the turn of a crank; a slider comes back in each cycle, and so does a displacement.
-    turn = abs(float(law.after(1) - law.after(0))) if scene.drive.slide is None else 0.0
+    turn = abs(float(law.after(1) - law.after(0))) if drive.slide is None else 0.0
     cycle = {"time": law.cycle, "drive": turn if turn > tau / 2 else 0.0, "displacement": 0.0}  # none: it comes back
     for table in (load.table for load in scene.loads if load.table is not None and cycle[load.table.over]):
         periods = cycle[table.over] / (table.arguments[-1] - table.arguments[0])
@@ -62,7 +62,7 @@ def _lasting(boxes: Boxes) -> bool:
 
 def _gain(boxes: Boxes, winding: Winding) -> float:
     """What an angle gains in a cycle, in whole turns."""
-    first, last = (float(winding(boxes.scene.drive.law.after(cycle))) for cycle in (0, 1))
+    first, last = (float(winding(boxes.law.after(cycle))) for cycle in (0, 1))
     return tau * round((last - first) / tau)
 
 
@@ -73,7 +73,7 @@ def _gained(boxes: Boxes, row: Enclosure, cycles: int) -> Enclosure:
     gain = cycles * _gain(boxes, winding) if winding and cycles else 0.0
     if not (gain > 0 if row.extreme == "most" else gain < 0):
         return row
-    law, error = boxes.scene.drive.law, ROUNDED * (abs(gain) + abs(row.low) + abs(row.high))
+    law, error = boxes.law, ROUNDED * (abs(gain) + abs(row.low) + abs(row.high))
     later = float(law.after(cycles) - law.after(0)) if isinstance(law, ConstantSpeed) else cycles * law.cycle
     low, high, *places = (
         value + shift for value, shift in zip(row[2:], (gain - error, gain + error, later, later), strict=True)

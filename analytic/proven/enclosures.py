@@ -70,7 +70,7 @@ def enclose(
     if isinstance(turns, bool) or not isinstance(turns, Integral) or turns < 1 or (turns > 1 and not scene.periodic):
         refuse("turns", "a whole number from 1" if scene.periodic else "1 of a drive that runs once", turns)
     boxes = Boxes(scene, names, off)
-    boxes.core.check_hull(np.array(scene.drive.law.extent))
+    boxes.core.check_hull(np.array(boxes.law.extent))
     found = over_cycles(boxes, turns, lambda some: _extremes(some, accuracy))
     if boxes.grows and GROW in found.why:
         found = over_cycles(Boxes(scene, names, off, chain=True), turns, lambda some: _extremes(some, accuracy))
@@ -95,7 +95,8 @@ def departures(scene: Scene, edges: Samples, names: AbstractSet[str] | None = No
     edges = finite_numbers("edges", edges)
     if edges.ndim != 1 or not (np.diff(edges) > 0).all() or not edges[1:].size:
         refuse("edges", "two places or more, increasing", edges)
-    boxes, law = Boxes(scene_of(scene), names, {}), scene.drive.law
+    boxes = Boxes(scene_of(scene), names, {})
+    law = boxes.law
     if law.periodic and not isinstance(law, ConstantSpeed):
         boxes = boxes.over(int(edges[0] // law.cycle), int(edges[-1] // law.cycle) + 1)
     positions = edges if isinstance(law, ConstantSpeed) else law.at(np.union1d(edges, boxes.edges)).position

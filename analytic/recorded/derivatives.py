@@ -62,7 +62,7 @@ def derivative_solver(
     make, wanted, rows = program.make, [*program.channels.values()], list[Expression]()
     zero, instant = make.constant(0.0), make.input("time", sampled=True)
     follows = make.input("time follows", sampled=False)  # 1 where it is not given
-    rate = make("negative", make("divide", follows, traced(make, getattr(program.scene.drive.law, "speed", 1.0)).x))
+    rate = make("negative", make("divide", follows, traced(make, getattr(program.linkage.drive.law, "speed", 1.0)).x))
     # Positions stay, and instants follow from them: t = (x - start) / speed has the derivatives -1 / speed and -t /
     # speed, but where instants are given.
     by_drive = {"drive.start": rate, "drive.speed": make("multiply", instant, rate)}  # of (position - start) / speed

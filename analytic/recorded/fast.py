@@ -98,7 +98,7 @@ class FastSolver(Solver):
 
     def _at_once(self, position: Samples) -> Motion | None:
         """The same, shape (n,); None where it has to be looked at closer, or there is no machine code for it."""
-        code, law = self._code, self.scene.drive.law
+        code, law = self._code, self.linkage.drive.law
         plain = position.dtype == np.float64 and position.ndim == 1
         if code is None or not plain or not np.isfinite(position).all() or not isinstance(law, ConstantSpeed):
             return None
@@ -124,7 +124,7 @@ class FastSolver(Solver):
     @cached_property
     def _way(self) -> tuple[float, float] | None:
         """From where to where, m, a driven slider is known to have no place where assemblies meet; none of a crank."""
-        return None if self.scene.drive.slide is None else (self.meetings.first, self.meetings.last)
+        return None if self.linkage.drive.slide is None else (self.meetings.first, self.meetings.last)
 
     @cached_property
     def _places(self) -> Mapping[str, int]:

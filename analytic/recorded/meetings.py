@@ -47,8 +47,8 @@ def near_meeting(
     """The machines, of numbers of shape (m, 1), whose assemblies may meet somewhere."""
     if program.reaches is None:
         return []
-    line, (first, last) = program.reaches, way_of(scene)
-    if scene.drive.slide is None:  # a turn to either side of the sketch is the same turn
+    line, (first, last) = program.reaches, way_of(scene, program.linkage)
+    if program.linkage.drive.slide is None:  # a turn to either side of the sketch is the same turn
         first = (first + last) / 2
     known = {path: number.value for path, number in scene.numbers.items()}  # the line may be of numbers all alike too
     step, near = (last - first) / COARSE, list[int]()

@@ -6,6 +6,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.arguments import refuse
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from ..solve import Solver, check_reach
@@ -23,7 +24,7 @@ def check_way(solver: Solver) -> None:
     if not isinstance(solver, Solver):
         refuse("solver", "what analytic.solver(...) returns", solver)
     scene, linkage = solver.scene, solver.linkage
-    way = np.linspace(*scene.drive.law.extent, SAMPLES + 1)
+    way = np.linspace(*linkage.drive.law.extent, SAMPLES + 1)
     k, after = motion_at(scene, linkage, way), _steps_to(scene, way)
     short = short_of(scene, linkage, k, way)
     end = min((int(after[rows].min()) for rows in short.values() if rows.any()), default=SAMPLES + 1)
@@ -39,7 +40,7 @@ def check_way(solver: Solver) -> None:
             last = min(last, step + 1)  # one that is found from a later row may be reached before
     if found:
         steps = _steps_to(scene, np.array([where for where, _ in found]))
-        order = [(step, abs(where - scene.drive.law.start)) for step, (where, _) in zip(steps, found, strict=True)]
+        order = [(step, abs(where - linkage.drive.law.start)) for step, (where, _) in zip(steps, found, strict=True)]
         where, (singular, *_) = found[order.index(min(order))]
         raise singular_at(scene, linkage, where, singular)
     if end <= SAMPLES:
@@ -51,7 +52,7 @@ def check_way(solver: Solver) -> None:
 
 def _steps_to(scene: Scene, way: Samples) -> Samples:
     """After how many of `SAMPLES` steps of a cycle the drive has reached each position of its way, shape (n,)."""
-    position = scene.drive.law.at(np.linspace(0, scene.cycle, SAMPLES + 1)).position
+    position = inputs_of(scene, np.linspace(0, scene.cycle, SAMPLES + 1)).driven().position
     up, down = np.maximum.accumulate(position), -np.minimum.accumulate(position)
     steps = np.where(way >= position[0], np.searchsorted(up, way), np.searchsorted(down, -way))
     return np.minimum(steps, SAMPLES)

@@ -71,8 +71,8 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
     A slider's way may end without a singular configuration; then there is no joint. None when the linkage never
     assembles, or all the way. An interval of a crank that does not hold its start ends in the first turn.
     """
-    turn, start = 2 * pi if scene.drive.slide is None else inf, scene.drive.law.start
-    least, most = scene.drive.law.extent if turn == inf else (start, start + turn)
+    turn, start = linkage.drive.turn, linkage.drive.law.start
+    least, most = linkage.drive.law.extent if turn == inf else (start, start + turn)
     holds, nearly = (partial(_reached, scene, linkage, rounded=error) for error in (0.0, ROUNDED))
     outside, inside = changes(holds, least, most, nearly)
     if not len(inside):
@@ -118,11 +118,11 @@ def extent_of(scene: Scene) -> float:
 
 def describe(scene: Scene, linkage: Linkage, position: float) -> str:
     """Tell in one sentence how far the drive moves, and what is in line where it stops, as it does at a position."""
-    body, turns = scene.drive.body, scene.drive.slide is None
+    drive = linkage.drive
+    body, turns, (least, most) = drive.body, drive.slide is None, drive.law.extent
     intervals = motion_range(scene, linkage)
     stops = {group.P: in_line(group) for group in linkage.groups} | {"": "the end of its way"}
-    if not intervals and not unreached(scene, linkage, np.array([scene.drive.law.start]))[0]:
-        least, most = scene.drive.law.extent
+    if not intervals and not unreached(scene, linkage, np.array([drive.law.start]))[0]:
         if not turns and not least <= position <= most:
             return f"the {body} slides freely all its way, from {scene.position(least)} to {scene.position(most)}"
         gap = scene.position((2 * pi if turns else most - least) / SAMPLES)
@@ -134,7 +134,7 @@ def describe(scene: Scene, linkage: Linkage, position: float) -> str:
     def end(position: float, joint: str) -> str:
         return f"{scene.position(position)} ({stops[joint]})"
 
-    limits = "drive.start and drive.end" if isinstance(scene.drive.law, ConstantSpeed) else "the drive's law"
+    limits = "drive.start and drive.end" if isinstance(drive.law, ConstantSpeed) else "the drive's law"
     ways = " and ".join(f"from {end(*first)} to {end(*last)}" for first, last in intervals)
     return f"the {body} {'turns' if turns else 'slides'} only {ways}; {limits} can limit a run"
 

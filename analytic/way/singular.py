@@ -34,7 +34,7 @@ def free_range(scene: Scene, linkage: Linkage) -> tuple[float, float] | None:
 
     None where there are none to one side, so that the drive is free to go on.
     """
-    start, turns = scene.sketch.drive, scene.drive.slide is None
+    start, turns = scene.sketch.drive, linkage.drive.slide is None
     ends = [end for both in motion_range(scene, linkage) for end, _ in both]
     ends += [where for where, _ in change_points(scene, linkage)]
     ends = [end + shift for end in ends for shift in ((0, tau, -tau) if turns else (0,))]
@@ -48,7 +48,7 @@ def change_points(scene: Scene, linkage: Linkage) -> list[tuple[float, str]]:
     None where a group is singular all the way.
     """
     start = scene.sketch.drive
-    low, high = (start - pi, start + pi) if scene.drive.slide is None else scene.drive.law.extent
+    low, high = (start - pi, start + pi) if linkage.drive.slide is None else linkage.drive.law.extent
     way = np.linspace(low, high, SAMPLES + 1)
     k = motion_at(scene, linkage, way)
     lost, found = MEET * extent_of(scene), dict[tuple[float, str], None]()
@@ -109,7 +109,7 @@ def singular_at(scene: Scene, linkage: Linkage, where: float, singular: Dyad | G
     why = "two ways of assembling the bodies meet" if meet else "the linkage is singular"
     reason = f"{why} at {scene.where(where)}: {in_line(singular)}"
     if free := free_range(scene, linkage):
-        limits = "drive.start and drive.end" if isinstance(scene.drive.law, ConstantSpeed) else "the drive's law"
+        limits = "drive.start and drive.end" if isinstance(linkage.drive.law, ConstantSpeed) else "the drive's law"
         reason += f"; {limits} can limit a run to within {scene.between(free)}"
     return Failure(Status.cannot_assemble, reason, at=(where, singular.P))
 
@@ -137,7 +137,7 @@ class Meetings(NamedTuple):
         The sketch picks the assembly; beyond such a place it leaves open which is meant. Larger groups are followed
         from the sketch, and end there by themselves. Raises Failure, `cannot_assemble`.
         """
-        turns = scene.drive.slide is None
+        turns = linkage.drive.slide is None
         if turns and not self.nearest:
             return
         least, most, sketch, nearest = float(asked.min()), float(asked.max()), scene.sketch.drive, self.nearest
@@ -159,15 +159,15 @@ def meetings(scene: Scene, linkage: Linkage) -> Meetings:
     """Where two assemblies of a dyad meet; of one scene they are looked for once."""
     by_groups, count = _FOUND.setdefault(scene, {}), len(linkage.groups)
     if count not in by_groups:
-        first, last = way_of(scene)
+        first, last = way_of(scene, linkage)
         by_groups[count] = Meetings(first, last, _nearest(scene, linkage, first, last))
     return by_groups[count]
 
 
-def way_of(scene: Scene) -> tuple[float, float]:
+def way_of(scene: Scene, linkage: Linkage) -> tuple[float, float]:
     """From where to where, rad or m, assemblies may meet: a turn to either side of the sketch, or a slider's way."""
-    sketch, (least, most) = scene.sketch.drive, scene.drive.law.extent
-    if scene.drive.slide is None:
+    sketch, (least, most) = scene.sketch.drive, linkage.drive.law.extent
+    if linkage.drive.slide is None:
         return sketch - 2 * pi, sketch + 2 * pi
     return min(least, sketch), max(most, sketch)
 
@@ -178,7 +178,7 @@ def _nearest(scene: Scene, linkage: Linkage, first: float, last: float) -> list[
     dyads = [group for group in linkage.groups if not isinstance(group, Group)]
     for end in (last, first) if dyads else ():
         step = (end - sketch) / SAMPLES
-        if step and (found or scene.drive.slide is not None or end == last):
+        if step and (found or linkage.drive.slide is not None or end == last):
             way = np.linspace(sketch - step, end + step, SAMPLES + 3)
             k = motion_at(scene, linkage, way)
             candidates = lowest(dyads, k, way, short_of(scene, linkage, k, way))

@@ -62,14 +62,14 @@ def inverse(
     asked = {"position": position, "velocity": velocity, "acceleration": acceleration}
     s, v, a = map(np.atleast_1d, np.broadcast_arrays(*(finite_numbers(name, value) for name, value in asked.items())))
     displaced = displacement(scene, linkage, scene.output)
-    least, most = scene.drive.law.extent
+    least, most = linkage.drive.law.extent
     way = np.linspace(least, most, SAMPLES)
     meetings(scene, linkage).check(scene, linkage, way)
     if (apart := unreached(scene, linkage, way) != "").any():
         raise Failure(Status.cannot_assemble, describe(scene, linkage, float(way[apart][0])))
     if not np.ptp(displaced(way)[0]) > STILL_TOL * linkage.arm:
         raise InputError(f"{scene.output} stands still wherever the drive is: its motion does not give the drive's")
-    if scene.drive.slide is not None or most - least < 2 * pi - 1e-9:
+    if linkage.drive.slide is not None or most - least < 2 * pi - 1e-9:
         ends = [least, *dead_points(displaced, least, most), most]
     else:  # round the turn, from beside its start: a dead point there does not fall between its two ends
         dead = dead_points(displaced, least + pi / 1e4, least + pi / 1e4 + 2 * pi)
@@ -110,7 +110,9 @@ def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
 def stroke_end(scene: Scene, linkage: Linkage, body: str, closing: float) -> float:
     """Find how far a cycle of the drive takes a slider in its closing direction, of this sign, m."""
     displaced = displacement(scene, linkage, scene.bodies[body].points[0])
-    return float(furthest(lambda way: [each[None] for each in displaced(way[0])], closing, *scene.drive.law.extent)[0])
+    return float(
+        furthest(lambda way: [each[None] for each in displaced(way[0])], closing, *linkage.drive.law.extent)[0]
+    )
 
 
 def furthest(

@@ -1,12 +1,11 @@
 """How far a linkage goes that cannot run, posed on the way there: for a picture of where it stops."""
 
 from dataclasses import replace
-from math import inf, pi, remainder
+from math import remainder
 
 import numpy as np
 
 from scenes import Failure, Scene
-from scenes.arguments import scene_of
 from scenes.channels import Role
 from scenes.model.enclosures import MotionRange
 
@@ -32,14 +31,14 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
     Returns:
         None where it has no pose at all.
     """
-    start, (position, joint) = scene_of(scene).drive.law.start, at or (scene.drive.law.start, "")
     try:
         linkage = followed(scene, decompose(scene))
         intervals = motion_range(scene, linkage)
     except Failure:
         return None
+    start, turn = linkage.drive.law.start, linkage.drive.turn
+    position, joint = at or (start, "")
     ways = [(first, last) for (first, _), (last, _) in intervals]
-    turn = 2 * pi if scene.drive.slide is None else inf
     free = free_range(scene, linkage) if at and not intervals else None
     # The end that is nearest to where the run fails: of an interval in which the linkage assembles; else that place
     # itself; else the singular configuration there, with the free range up to it. Poses are then laid from that end
@@ -53,7 +52,7 @@ def stopped(scene: Scene, at: tuple[float, str] | None = None) -> MotionRange | 
         (end,), ways = near[:1], [free]
         begin = free[free[0] == end]
     else:
-        end, begin = start, max(scene.drive.law.extent, key=lambda other: abs(other - start))
+        end, begin = start, max(linkage.drive.law.extent, key=lambda other: abs(other - start))
     way = end + (begin - end) * np.union1d(BESIDE, np.linspace(0, 1, POSES))
     posed = motion_at(scene, linkage, way).z
     way = way[np.all([np.broadcast_to(np.isfinite(posed[point]), way.shape) for point in scene.moving_points], axis=0)]

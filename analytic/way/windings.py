@@ -48,10 +48,10 @@ def _continued(
     scene: Scene, linkage: Linkage, angles: Mapping[str, Callable[[Kinematics], Samples]]
 ) -> Mapping[str, Winding]:
     """By name, angles that are found modulo a turn, each followed over the drive's way; -pi to pi at its start."""
-    start = np.array(scene.drive.law.start)
     if not angles:
         return {}
-    turns, (least, most) = scene.drive.slide is None, scene.drive.law.extent
+    law, turns = linkage.drive.law, linkage.drive.slide is None
+    start, (least, most) = np.array(law.start), law.extent
     way = np.linspace(least, least + tau if turns else most, SAMPLES + 1)
     k, found = motion_at(scene, linkage, np.append(way, start)), {}
     for name, modulo in angles.items():

@@ -6,13 +6,14 @@ step by step. Every position asked for starts from the nearest of the poses, so 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import copysign, inf, pi, remainder, sqrt
+from math import copysign, inf, remainder, sqrt
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Scene, Status
+from scenes.drive import Drive
 from scenes.model.constraints import open_joint
 from scenes.model.motion import Samples
 
@@ -105,16 +106,16 @@ class Track:
         return difference if self.turn == inf else least + np.remainder(difference - least, self.turn)
 
 
-def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
+def follow(scene: Scene, drive: Drive, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
     """Follow the sketch's branch round the turn, along a driven slider's way, or to where it ends on both sides.
 
     Failure is `cannot_assemble` at the sketch, or where a branch of more than a turn ends on the drive's way, and
     `unsupported` when a crank turns all the way and ends in another pose.
     """
-    first = _begun(scene, group, bodies, placed)
+    first = _begun(scene, drive, group, bodies, placed)
     start, step, turn = scene.sketch.drive, first.step, first.turn
-    least, most = scene.drive.law.extent
-    if scene.drive.slide is not None:
+    least, most = drive.law.extent
+    if turn == inf:
         return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
     forward = _march(first, placed, turn)
     # Cases, in this order: the crank turns all round and comes back to the first pose; its branch spans less than a
@@ -134,15 +135,15 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
         raise Failure(Status.unsupported, why)
     low, high = map(float, both.position[[0, -1]])
     ways = f"turns only from {scene.position(low)} to {scene.position(high)}"
-    why = f"the {scene.drive.body} {ways}, with {', '.join(group.bodies)} in a singular configuration at both ends"
+    why = f"the {drive.body} {ways}, with {', '.join(group.bodies)} in a singular configuration at both ends"
     raise Failure(Status.cannot_assemble, why, at=(high if middle + half > high else low, group.P))
 
 
-def _begun(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
+def _begun(scene: Scene, drive: Drive, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
     """The pose at the sketch, q of shape (1, m), or Failure."""
     equations, start = equations_of(scene, bodies, group), scene.sketch.drive
-    turn = 2 * pi if scene.drive.slide is None else inf
-    step = (turn if turn < inf else np.ptp(scene.drive.law.extent)) / STEPS
+    turn = drive.turn
+    step = (turn if turn < inf else np.ptp(drive.law.extent)) / STEPS
     position, rough = np.array([start]), np.array([sketched_coordinates(scene, group, bodies)])
     hung = placed(position)
     q = assemble(correction(equations, hung.pose), rough, equations.size)
