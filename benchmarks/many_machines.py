@@ -155,10 +155,10 @@ def derivatives() -> list[tuple[str, str, str, str]]:
     """Time the derivatives of all channels of the toggle press by all its numbers."""
     scene, angles = scenes.load("toggle_press"), np.linspace(0, 6, 8000)
     paths = [path for path in scene.numbers if not path.startswith("drive.")]
-    one = analytic.solver(scene)
+    solve = analytic.solver(scene)
     took = seconds(
         {
-            "solve": lambda: one(angles),
+            "solve": lambda: solve(angles),
             "few": lambda: analytic.derivatives(scene, paths, angles[:2]),
             "derivatives": lambda: analytic.derivatives(scene, paths, angles),
         }

@@ -27,7 +27,7 @@ from compare.measure.many.family import Asked, solved_member
 from scenes import Sampling, load, with_changes
 
 SCENE, PATH = "toggle_press", "bodies.rocker.lengths.O-P3"
-LEAST, MOST = 285.0, 315.0
+MIN_LENGTH, MAX_LENGTH = 285.0, 315.0
 MACHINES = 2048
 
 
@@ -39,7 +39,7 @@ def main() -> None:
     stages()
     print("\n| workers | processor time a member: of the command | of workers | wall | on two free cores | table |")
     print("| --- | ---: | ---: | ---: | ---: | --- |")
-    job = [SCENE, "--vary", f"{PATH}={LEAST:g}:{MOST:g}:{options.members}"]
+    job = [SCENE, "--vary", f"{PATH}={MIN_LENGTH:g}:{MAX_LENGTH:g}:{options.members}"]
     with TemporaryDirectory() as folder:
         first = Path(folder) / "1"
         for workers, kill in ((1, False), (2, False), (2, True)):
@@ -49,7 +49,7 @@ def main() -> None:
 
 def stages() -> None:
     """Print what one member costs, stage by stage."""
-    change = {PATH: LEAST}
+    change = {PATH: MIN_LENGTH}
     drawn, sampling = load(SCENE), Sampling(360)
     scene = with_changes(drawn, change)
     position, time = sampling.commanded(scene), sampling.times(scene)
@@ -58,7 +58,7 @@ def stages() -> None:
         "a solver prepared, 360 positions, all channels": least(lambda: analytic.solver(scene)(position, time)),
     }
     for what, channels in (("all channels", None), ("the output alone", {f"{scene.output}.y"})):
-        changes = {PATH: np.linspace(0.999, 1.001, MACHINES) * LEAST}
+        changes = {PATH: np.linspace(0.999, 1.001, MACHINES) * MIN_LENGTH}
         seconds = least(partial(analytic.solve_many, scene, changes, position, channels=channels)) / MACHINES
         costs[f"one of {MACHINES} by `solve_many`, 360 positions, {what}"] = seconds
     for engine in DEFAULT_ENGINES[1:]:
@@ -85,15 +85,17 @@ def family(job: Sequence[str], workers: int, out: Path, like: Path, *, kill: boo
     marks = []
     with Popen(command, stdout=PIPE, stderr=DEVNULL, text=True) as process:
         assert process.stdout is not None
-        own = psutil.Process(process.pid)
+        command_process = psutil.Process(process.pid)
         members = int(job[-1].rpartition(":")[2])
         for number, _ in enumerate(line for line in process.stdout if " ok " in line):
             # The first members carry the start of the workers, the last ones wait for each other: processor time is
             # read after one member of each worker and before the last two, and is shared out over the members between.
             if number in (workers, members - 2):
-                marks.append((number, perf_counter(), used([own]), used(own.children(recursive=True))))
+                marks.append(
+                    (number, perf_counter(), used([command_process]), used(command_process.children(recursive=True)))
+                )
             if kill and number == members // 2:
-                own.children()[0].children()[0].kill()  # its parent is its guard
+                command_process.children()[0].children()[0].kill()  # its parent is its guard
     (n, *before), (m, *after) = marks
     on_wall, of_command, of_workers = ((b - a) / (m - n) for a, b in zip(before, after, strict=True))
     tables = [next(where.glob("*/family.csv")).read_bytes() for where in (out, like)]

@@ -16,7 +16,7 @@ from compare.judge.peaks.peaks import peaks
 from compare.mechanics.reference import uncertified
 from scenes import Sampling, load
 
-LINEAR = 1e-3  # of the variance that the linear model may leave unexplained: 3 % of a standard deviation
+MAX_UNEXPLAINED = 1e-3  # of the variance that the linear model may leave unexplained: 3 % of a standard deviation
 SCENES = ("toggle_press", "double_toggle_clamp")
 
 
@@ -39,7 +39,9 @@ def _row(scene: str, count: str, folder: Path) -> str:
     result = loads((folder / scene / "monte_carlo.json").read_text(encoding="utf-8"))
     # Where the linear model explains the variance to a thousandth, standard deviations by it and by sampling have to
     # agree to about the sampling error, 1 / sqrt(2 N) of a deviation: 0.2 % of 100,000 machines.
-    moving = [number for number in result["numbers"] if number["deviation"] and number["unexplained"] <= LINEAR]
+    moving = [
+        number for number in result["numbers"] if number["deviation"] and number["unexplained"] <= MAX_UNEXPLAINED
+    ]
     off = max(abs(number["linear"] / number["deviation"] - 1) for number in moving)
     cells = scene, f"{result['machines']:,}", wall, *used, f"{_alone(scene, result):.0e}", f"{100 * off:.2f} %"
     return f"| {' | '.join(cells)} |"
@@ -49,8 +51,10 @@ def _alone(scene: str, result: Any) -> float:
     """Return the largest difference of a machine in the file from a run of its own, relative to the number's size."""
     sizes, worst = {number["name"]: number["size"] for number in result["numbers"]}, 0.0
     for machine in result["picked"]:
-        own = {peak.name: peak.value for peak in peaks(uncertified(load(scene, machine["changes"])), Sampling(72), [])}
-        worst = max([worst, *(abs(own[name] - value) / sizes[name] for name, value in machine["numbers"].items())])
+        alone = {
+            peak.name: peak.value for peak in peaks(uncertified(load(scene, machine["changes"])), Sampling(72), [])
+        }
+        worst = max([worst, *(abs(alone[name] - value) / sizes[name] for name, value in machine["numbers"].items())])
     return worst
 
 

@@ -25,7 +25,7 @@ from scenes.errors import one_line
 from tests.faults.mutated_scenes import slightly_mutated
 
 OUT = Path(__file__).parents[1] / "results" / "mutated_runs.csv"
-MOST_SECONDS, MOST_MB = 20.0, 1000.0
+MAX_SECONDS, MAX_MB = 20.0, 1000.0
 PATIENCE = 300.0  # s, of the clock
 
 
@@ -97,7 +97,7 @@ def report(table: pd.DataFrame) -> None:
     """Print how the runs ended, and those out of bounds."""
     ends = table.groupby("status")
     print(ends.agg(runs=("number", "count"), seconds=("seconds", "max"), megabytes=("megabytes", "max")))
-    kept = (table["seconds"] <= MOST_SECONDS) & (table["megabytes"] <= MOST_MB) & ~table["traceback"]
+    kept = (table["seconds"] <= MAX_SECONDS) & (table["megabytes"] <= MAX_MB) & ~table["traceback"]
     bad = table[~(kept & table["status"].isin((0, 1, 2)))]
     print(f"{len(bad)} of {len(table)} are out of bounds" + (f":\n{bad.to_string(index=False)}" if len(bad) else ""))
 

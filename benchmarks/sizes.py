@@ -43,7 +43,7 @@ def _row(case: str, scene: str, arguments: Sequence[str], folder: Path) -> str:
     results = folder / Path(scene).stem
     summary = loads((results / "summary.json").read_text(encoding="utf-8"))
     rows = summary["sampling"]["samples"] * summary["sampling"]["turns"] + 1
-    statuses = ", ".join(f"{engine} {of['status']}" for engine, of in summary["engines"].items())
+    statuses = ", ".join(f"{engine} {run['status']}" for engine, run in summary["engines"].items())
     page = (results / "report.html").stat().st_size / 1e6
     cells = case, f"{rows:,}", f"{len(load(scene).bodies)}", time, memory, f"{page:.2f} MB", statuses
     return f"| {' | '.join(cells)} |"

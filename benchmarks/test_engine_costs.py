@@ -39,11 +39,11 @@ def fastest(rounds: int, *simulations: Any) -> list[float]:
     """The least time of the processor that each took to solve, s, in turns; other work does not count."""
     times = [[np.inf] for _ in simulations]
     for _ in range(rounds):
-        for simulation, of in zip(simulations, times, strict=True):
+        for simulation, taken in zip(simulations, times, strict=True):
             began = process_time()
             simulation.solve()
-            of.append(process_time() - began)
-    return [min(of) for of in times]
+            taken.append(process_time() - began)
+    return [min(taken) for taken in times]
 
 
 def test_the_cost_does_not_grow_with_the_cube_of_the_linkage(tmp_path: Path) -> None:

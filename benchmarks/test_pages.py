@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 FRAME = 1000 / 60  # ms
-SLOWER = 2.2  # times the first contentful paint of an empty page; 1.8 measured, 2.9 where all is laid out first
-LONGER, THROTTLE = (
+MAX_PAINT_RATIO = 2.2  # times the first paint of an empty page; 1.8 measured, 2.9 where all is laid out first
+MAX_TASK_RATIO, THROTTLE = (
     3.0,
     4,
 )  # a figure's longest task over that of the page itself: 1.7 measured, 77 by plotly's script
@@ -28,17 +28,17 @@ def test_first_paint_takes_about_two_empty_pages(browser: "Browser", press_repor
     empty = tmp_path / "empty.html"
     empty.write_text("<!doctype html><title>empty</title><p>empty")
     ratios: list[float] = []
-    while len(ratios) < ROUNDS and not (ratios and ratios[-1] <= SLOWER):
+    while len(ratios) < ROUNDS and not (ratios and ratios[-1] <= MAX_PAINT_RATIO):
         paths = empty, press_report / "report.html"
         of_empty, of_report = (median(first_paint(browser, path) for _ in range(LOADS)) for path in paths)
         ratios.append(of_report / of_empty)
-    assert ratios[-1] <= SLOWER, f"{ratios} times that of an empty page"
+    assert ratios[-1] <= MAX_PAINT_RATIO, f"{ratios} times that of an empty page"
 
 
 def test_drawing_figures_holds_up_the_page_no_longer_than_its_text(browser: "Browser", press_report: Path) -> None:
     """On a slow processor, by the longest task after the page has loaded, in which the first figures are drawn."""
     ratios: list[float] = []
-    while len(ratios) < ROUNDS and not (ratios and ratios[-1] <= LONGER):
+    while len(ratios) < ROUNDS and not (ratios and ratios[-1] <= MAX_TASK_RATIO):
         page = browser.new_page(viewport={"width": 1400, "height": 900}, reduced_motion="reduce")
         rate = {"rate": THROTTLE}
         page.context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", rate)
@@ -55,7 +55,7 @@ def test_drawing_figures_holds_up_the_page_no_longer_than_its_text(browser: "Bro
         )
         ratios.append(after / before)
         page.close()
-    assert ratios[-1] <= LONGER, f"{ratios} times the longest task before"
+    assert ratios[-1] <= MAX_TASK_RATIO, f"{ratios} times the longest task before"
 
 
 def test_values_of_a_curve_are_replaced_within_a_frame(report: "Page") -> None:

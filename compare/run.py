@@ -97,9 +97,9 @@ def _run(options: argparse.Namespace) -> int:
         "monte_carlo": (report.monte_carlo, files.MONTE_CARLO),
         "assemblies": (report.assemblies, files.ASSEMBLIES),
     }
-    run, own = next((way for name, way in ways.items() if getattr(options, name)), (report.run, files.REPORT))
+    run, patterns = next((way for name, way in ways.items() if getattr(options, name)), (report.run, files.REPORT))
     places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
-    check_writable(options.out, places, own)
+    check_writable(options.out, places, patterns)
     for name, scene in places.items():
         files.check_origin(scene, options.out / name)
     missed = []
@@ -112,10 +112,10 @@ def _run(options: argparse.Namespace) -> int:
                 except UnsolvedError as why:  # the others go on
                     print_line(str(why))
                     refused += 1
-                    if own == files.REPORT:
+                    if patterns == files.REPORT:
                         report.unsolved(scene, request, options, why)
     finally:  # of those that are done, where the user stops too
-        if own == files.REPORT and (missed or refused) and options.out.is_dir():
+        if patterns == files.REPORT and (missed or refused) and options.out.is_dir():
             print(f"index: {files.write_index(options.out)}")
     if options.full:
         from .measure.hard.case import forget

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .fields import Angle, Duration, Frequency, Position
 
 Samples: TypeAlias = NDArray[np.float64]
-SAME_INSTANT = 1e-9  # of a cycle; so close before a boundary counts as on it, whichever way it was rounded
+SAME_INSTANT_TOL = 1e-9  # of a cycle; so close before a boundary counts as on it, whichever way it was rounded
 
 
 class Driven(NamedTuple):
@@ -74,12 +74,12 @@ def _law(*parts: tuple[float, float, float]) -> Sequence[Piece]:
     # s + sin p / w^2 + (v + cos p / w) t - sin(w t + p) / w^2, or s + v t + t^2 sin p / 2 where w is zero. C makes the
     # way one in the end: pi^2 / 2 of the harmonic, 2 pi of the cycloidal, 4 pi^2 / (4 + pi) of the modified sine and
     # 8 pi / (2 + pi) of the modified trapezoid.
-    pieces, at, way, rate = list[Piece](), 0.0, 0.0, 0.0
+    pieces, begin, way, rate = list[Piece](), 0.0, 0.0, 0.0
     for h, w, p in parts:
-        own = ((way + sin(p) / w**2, rate + cos(p) / w), [(-1 / w**2, w, p)]) if w else ((way, rate, sin(p) / 2),)
-        pieces.append(Piece(at, *own))
-        at += h
-        way, rate, _ = map(float, pieces[-1].at(at))
+        law = ((way + sin(p) / w**2, rate + cos(p) / w), [(-1 / w**2, w, p)]) if w else ((way, rate, sin(p) / 2),)
+        pieces.append(Piece(begin, *law))
+        begin += h
+        way, rate, _ = map(float, pieces[-1].at(begin))
     return [piece.moved(0.0, 0.0, rise=1 / way) for piece in pieces]
 
 
@@ -170,7 +170,7 @@ class SegmentedLaw(Law):
 
     def still(self, order: int) -> ArrayLike:
         """The boundaries, s, since no law turns back, or for the second the middles, where all are fastest."""
-        return self.boundaries if order == 1 else [(one + other) / 2 for one, other in pairwise(self.boundaries)]
+        return self.boundaries if order == 1 else [(begin + end) / 2 for begin, end in pairwise(self.boundaries)]
 
     @cached_property
     def pieces(self) -> Sequence[Piece]:
@@ -187,16 +187,16 @@ class SegmentedLaw(Law):
         # At a boundary the position is the boundary's own and the rate is zero, without the roundings of a polynomial
         # that is evaluated there: two segments that meet agree to the last bit. The acceleration may jump there, as
         # that of a harmonic law does, so it is the later segment's.
-        own, time, last, periods, rests = self._placed(time)
-        position, rate, acceleration = self._of_pieces(Piece.at, own, time, 3)
+        places, time, last, periods, rests = self._placed(time)
+        position, rate, acceleration = self._of_pieces(Piece.at, places, time, 3)
         positions = np.asarray(self.positions)
         position = np.where(rests, positions[last], position) + periods * (positions[-1] - positions[0])
         return Driven(position, np.where(rests, 0.0, rate), acceleration)
 
     def higher(self, time: ArrayLike) -> tuple[Samples, Samples]:
         """The third and the fourth derivative of the position by the time, at instants of any shape, s."""
-        own, time, *_ = self._placed(time)
-        third, fourth = self._of_pieces(Piece.higher, own, time, 2)
+        places, time, *_ = self._placed(time)
+        third, fourth = self._of_pieces(Piece.higher, places, time, 2)
         return third, fourth
 
     def _placed(self, time: ArrayLike) -> tuple[Any, ...]:
@@ -208,7 +208,7 @@ class SegmentedLaw(Law):
         # The instants of samples are products such as 120 / 360 * cycle, and may be a rounding before or after the
         # boundary that they stand for. All within a hair are set on the boundary itself, which belongs to the later
         # piece.
-        hair = SAME_INSTANT * self.cycle
+        hair = SAME_INSTANT_TOL * self.cycle
         periods = np.floor((time + hair) / self.cycle) if self.periodic else np.zeros(time.shape)
         time = time - periods * self.cycle
         last = np.maximum(np.searchsorted(ends, time + hair, side="right") - 1, 0)
@@ -221,12 +221,12 @@ class SegmentedLaw(Law):
         return np.searchsorted(begins, time, side="right"), time, last, periods, rests
 
     def _of_pieces(
-        self, take: Callable[[Piece, Samples], Sequence[Samples]], own: Any, time: Any, count: int
+        self, take: Callable[[Piece, Samples], Sequence[Samples]], places: Any, time: Any, count: int
     ) -> Samples:
         """What is taken from each instant's own piece, shape (count, ...)."""
         pieces, found = (self._rest(0), *self.pieces, self._rest(-1)), np.empty((count, *time.shape))
-        for number in np.unique(own):
-            found[:, own == number] = take(pieces[number], time[own == number])
+        for number in np.unique(places):
+            found[:, places == number] = take(pieces[number], time[places == number])
         return found
 
     def _rest(self, end: int) -> Piece:

@@ -100,7 +100,7 @@ def _tridiagonal(
     lower: Sequence[float], middle: Sequence[float], upper: Sequence[float], right: Sequence[float]
 ) -> Samples:
     """The solution of n equations, diagonals of n - 1, n and n - 1 entries; the larger of two rows is the pivot."""
-    low, mid, up, b = (list(map(float, of)) for of in (lower, middle, upper, right))
+    low, mid, up, b = (list(map(float, entries)) for entries in (lower, middle, upper, right))
     n, far = len(mid), [0.0] * len(mid)  # the second upper diagonal, which pivots fill
     for i in range(n - 1):
         # Gaussian elimination with partial pivoting, as LAPACK's dgtsv does it. An exchange of row i and the next one

@@ -26,10 +26,10 @@ Unit: TypeAlias = Mapping[str, ActingForce]  # what one unit of a friction does,
 
 
 class RubbingContact(ABC):
-    """What one type of friction is by; `one` is a friction of that type."""
+    """What one type of friction is by; `friction` is one of that type."""
 
     @abstractmethod
-    def factor(self, one: Any, mu: Any) -> Any:
+    def factor(self, friction: Any, mu: Any) -> Any:
         """Friction over the load's size |X| at a coefficient: the radius of the friction circle, m, or that itself."""
 
     @abstractmethod
@@ -41,29 +41,29 @@ class RubbingContact(ABC):
         """The direction in which the size grows, a unit vector; any where there is no load."""
 
     @abstractmethod
-    def first_known(self, one: Any, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
+    def first_known(self, friction: Any, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
         """The number of the group with which the joint's force is known, given that of each body."""
 
     @abstractmethod
-    def motion(self, one: Any, balance: "FrictionBalance") -> tuple[Any, Any]:
+    def motion(self, friction: Any, balance: "FrictionBalance") -> tuple[Any, Any]:
         """How fast the joint's parts move on each other, and the largest such rate in the linkage."""
 
     @abstractmethod
-    def unit(self, one: Any, balance: "FrictionBalance") -> Unit:
+    def unit(self, friction: Any, balance: "FrictionBalance") -> Unit:
         """What a unit of friction does on the later body that rubs, and its reaction on the other."""
 
     @abstractmethod
-    def load(self, one: Any, balance: "FrictionBalance") -> Any:
+    def load(self, friction: Any, balance: "FrictionBalance") -> Any:
         """The load X."""
 
 
 class RubbingPin(RubbingContact):
     """A pin in its hole."""
 
-    def factor(self, one: PinFriction, mu: Any) -> Any:
+    def factor(self, friction: PinFriction, mu: Any) -> Any:
         """The radius of the friction circle."""
         # r sin(arctan mu): the resultant of the pin's pressure and friction is tangent to the circle of this radius.
-        return one.radius * mu / np.sqrt(1 + mu * mu)
+        return friction.radius * mu / np.sqrt(1 + mu * mu)
 
     def size(self, X: Any) -> Any:
         """The size of the force."""
@@ -73,39 +73,39 @@ class RubbingPin(RubbingContact):
         """The direction of the force."""
         return X / (size + TINY)
 
-    def first_known(self, one: PinFriction, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
+    def first_known(self, friction: PinFriction, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
         """That of the pin's later body; where that carries the pin, of the first that hangs on it."""
-        pin = one.pin(balance.scene)
+        pin = friction.pin(balance.scene)
         # The pin's force on its later body is known as soon as that body's group is balanced. If that body carries the
         # pin, its force follows from the bodies that hang on it, the last of which is balanced with the lowest number.
         carrier = next((body for body, points in balance.linkage.carries.items() if pin.point in points), GROUND)
         others = [body for body in balance.scene.owners[pin.point] if body != pin.second]
         return min(group_of[body] for body in others) if pin.second == carrier else group_of[pin.second]
 
-    def motion(self, one: PinFriction, balance: "FrictionBalance") -> tuple[Any, Any]:
+    def motion(self, friction: PinFriction, balance: "FrictionBalance") -> tuple[Any, Any]:
         """The rate of the later body against the first, rad/s."""
-        omega, (first, second) = balance.k.omega, one.joined(balance.scene)
+        omega, (first, second) = balance.k.omega, friction.joined(balance.scene)
         return omega[second] - omega[first], balance.fastest[0]
 
-    def unit(self, one: PinFriction, balance: "FrictionBalance") -> Unit:
+    def unit(self, friction: PinFriction, balance: "FrictionBalance") -> Unit:
         """A moment of 1 N m."""
-        (first, second), no_force, place = one.joined(balance.scene), samples(0j), balance.k.z[one.at]
+        (first, second), no_force, place = friction.joined(balance.scene), samples(0j), balance.k.z[friction.at]
         return {
             second: ActingForce(no_force, place, samples(1.0)),
             first: ActingForce(no_force, place, samples(-1.0)),
         }
 
-    def load(self, one: PinFriction, balance: "FrictionBalance") -> Any:
+    def load(self, friction: PinFriction, balance: "FrictionBalance") -> Any:
         """The force of the pin on its later body."""
-        pins, (_, second) = balance.reactions.pin, one.joined(balance.scene)
-        others = (pins[one.at, body] for body in balance.scene.owners[one.at] if (one.at, body) in pins)
-        return pins[one.at, second] if (one.at, second) in pins else -reduce(np.add, others)
+        pins, (_, second) = balance.reactions.pin, friction.joined(balance.scene)
+        others = (pins[friction.at, body] for body in balance.scene.owners[friction.at] if (friction.at, body) in pins)
+        return pins[friction.at, second] if (friction.at, second) in pins else -reduce(np.add, others)
 
 
 class RubbingGuide(RubbingContact):
     """A slider in its guide, which touches at both ends of the contact."""
 
-    def factor(self, one: GuideFriction, mu: Any) -> Any:  # noqa: ARG002
+    def factor(self, friction: GuideFriction, mu: Any) -> Any:  # noqa: ARG002
         """The coefficient."""
         return mu
 
@@ -118,26 +118,26 @@ class RubbingGuide(RubbingContact):
         along, across = (chosen(part < 0, -1.0, 1.0) for part in (X.real, X.imag))
         return chosen(np.abs(X.real) < np.abs(X.imag), 1j * across, along)
 
-    def first_known(self, one: GuideFriction, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
+    def first_known(self, friction: GuideFriction, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
         """That of the later of slider and carrier."""
-        return max(group_of[body] for body in one.joined(balance.scene))
+        return max(group_of[body] for body in friction.joined(balance.scene))
 
-    def motion(self, one: GuideFriction, balance: "FrictionBalance") -> tuple[Any, Any]:
+    def motion(self, friction: GuideFriction, balance: "FrictionBalance") -> tuple[Any, Any]:
         """The rate of the slider's first point along the guide, m/s."""
-        k, first, (on, _) = balance.k, balance.scene.bodies[one.slider].points[0], one.joined(balance.scene)
+        k, first, (on, _) = balance.k, balance.scene.bodies[friction.slider].points[0], friction.joined(balance.scene)
         carried = 0.0 if on == GROUND else k.v[k.foot[on]] + 1j * k.omega[on] * (k.z[first] - k.z[k.foot[on]])
-        return dot(balance.guide(one.slider)[0], k.v[first] - carried), balance.fastest[1]
+        return dot(balance.guide(friction.slider)[0], k.v[first] - carried), balance.fastest[1]
 
-    def unit(self, one: GuideFriction, balance: "FrictionBalance") -> Unit:
+    def unit(self, friction: GuideFriction, balance: "FrictionBalance") -> Unit:
         """A force of 1 N along the guide."""
-        (along, _), (on, slider) = balance.guide(one.slider), one.joined(balance.scene)
+        (along, _), (on, slider) = balance.guide(friction.slider), friction.joined(balance.scene)
         first = balance.k.z[balance.scene.bodies[slider].points[0]]
         return {slider: ActingForce(along, first), on: ActingForce(-along, first)}
 
-    def load(self, one: GuideFriction, balance: "FrictionBalance") -> Any:
+    def load(self, friction: GuideFriction, balance: "FrictionBalance") -> Any:
         """N and 2 M / length."""
-        N, M = balance.reactions.guide[one.slider]
-        return N + 1j * (M * (2 / one.length))
+        N, M = balance.reactions.guide[friction.slider]
+        return N + 1j * (M * (2 / friction.length))
 
 
 CONTACTS: Mapping[type[Friction], RubbingContact] = {PinFriction: RubbingPin(), GuideFriction: RubbingGuide()}

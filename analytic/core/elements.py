@@ -107,65 +107,68 @@ class Loading:
         return load.table.at(self.given["position" if load.table.over == "drive" else "time"])
 
 
-def acts(element: Element, place: str, at: Loading) -> Acting:
+def acts(element: Element, place: str, loading: Loading) -> Acting:
     """Yield what an element, which has a place in the file, does to each body."""
-    return RULES[type(element)](element, place, at)
+    return RULES[type(element)](element, place, loading)
 
 
-def _force(load: Force, _: str, at: Loading) -> Acting:
-    yield load.body, ActingForce(samples(as_complex(load.force)), at.k.z[load.at])
+def _force(load: Force, _: str, loading: Loading) -> Acting:
+    yield load.body, ActingForce(samples(as_complex(load.force)), loading.k.z[load.at])
 
 
-def _turning_force(load: TurningForce, _: str, at: Loading) -> Acting:
-    yield load.body, ActingForce(at.k.u[load.body] * samples(as_complex(load.force)), at.k.z[load.at])
+def _turning_force(load: TurningForce, _: str, loading: Loading) -> Acting:
+    yield load.body, ActingForce(loading.k.u[load.body] * samples(as_complex(load.force)), loading.k.z[load.at])
 
 
-def _press(load: PressForce, place: str, at: Loading) -> Acting:
-    yield load.body, ActingForce(np.where(at.acting(load, place), as_complex(load.force), 0), at.k.z[load.at])
+def _press(load: PressForce, place: str, loading: Loading) -> Acting:
+    yield load.body, ActingForce(np.where(loading.acting(load, place), as_complex(load.force), 0), loading.k.z[load.at])
 
 
-def _guide_force(load: GuideForce, _: str, at: Loading) -> Acting:
-    force = at.guide(load.body)[0] * at.size(load, load.force)
-    yield load.body, ActingForce(force, at.k.z[load.at])
-    yield at.scene.slides[load.body].on, ActingForce(-force, at.k.z[load.at])
+def _guide_force(load: GuideForce, _: str, loading: Loading) -> Acting:
+    force = loading.guide(load.body)[0] * loading.size(load, load.force)
+    yield load.body, ActingForce(force, loading.k.z[load.at])
+    yield loading.scene.slides[load.body].on, ActingForce(-force, loading.k.z[load.at])
 
 
-def _by_table(load: TableForce, _: str, at: Loading) -> Acting:
-    force = as_complex(load.direction) * at.size(load)
-    yield load.body, ActingForce(force if load.frame == "ground" else at.k.u[load.body] * force, at.k.z[load.at])
+def _by_table(load: TableForce, _: str, loading: Loading) -> Acting:
+    force = as_complex(load.direction) * loading.size(load)
+    yield (
+        load.body,
+        ActingForce(force if load.frame == "ground" else loading.k.u[load.body] * force, loading.k.z[load.at]),
+    )
 
 
-def _moment(load: Moment, _: str, at: Loading) -> Acting:
-    yield load.body, ActingForce(samples(0j), at.k.z[load.at], at.size(load, load.moment))
+def _moment(load: Moment, _: str, loading: Loading) -> Acting:
+    yield load.body, ActingForce(samples(0j), loading.k.z[load.at], loading.size(load, load.moment))
 
 
-def _spring(spring: Spring, _: str, at: Loading) -> Acting:
-    d = at.apart(spring)
+def _spring(spring: Spring, _: str, loading: Loading) -> Acting:
+    d = loading.apart(spring)
     # Without damping, a spring of no free length pulls by k d and needs no direction where its ends meet.
-    along = at.along(d, spring.length if spring.damping is None else None)
+    along = loading.along(d, spring.length if spring.damping is None else None)
     pull = spring.stiffness * (d - spring.length * along)
     if spring.damping is not None:
-        v = at.k.v
+        v = loading.k.v
         pull = pull + spring.damping * dot(along, v[spring.second[1]] - v[spring.first[1]]) * along
-    return pulled(spring, pull, at)
+    return pulled(spring, pull, loading)
 
 
-def pulled(pair: PointPair, pull: Any, at: Loading) -> Acting:
+def pulled(pair: PointPair, pull: Any, loading: Loading) -> Acting:
     """Yield a pull on the first end of a pair of points, and its reaction on the second."""
     for (body, point), force in zip(pair.ends, (pull, -pull), strict=True):
-        yield body, ActingForce(force, at.k.z[point])
+        yield body, ActingForce(force, loading.k.z[point])
 
 
-def _torsion_spring(spring: TorsionSpring, place: str, at: Loading) -> Acting:
-    sign = spring.drives(at.scene)
-    phi = sign * at.given["position"] if sign else at.twisted(spring, place)
-    moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
+def _torsion_spring(spring: TorsionSpring, place: str, loading: Loading) -> Acting:
+    sign = spring.drives(loading.scene)
+    phi = sign * loading.given["position"] if sign else loading.twisted(spring, place)
+    moment = spring.moment(phi, loading.k.omega[spring.second] - loading.k.omega[spring.first])
     for body, share in ((spring.second, moment), (spring.first, -moment)):
-        yield body, ActingForce(samples(0j), at.k.z[spring.at], share)
+        yield body, ActingForce(samples(0j), loading.k.z[spring.at], share)
 
 
-def _constant_force_spring(spring: ConstantForceSpring, _: str, at: Loading) -> Acting:
-    return pulled(spring, spring.force * at.along(at.apart(spring)), at)
+def _constant_force_spring(spring: ConstantForceSpring, _: str, loading: Loading) -> Acting:
+    return pulled(spring, spring.force * loading.along(loading.apart(spring)), loading)
 
 
 RULES: Mapping[type[Element], Callable[[Any, str, Loading], Acting]] = {

@@ -29,32 +29,32 @@ from .numbers import chosen
 
 GUESSES = 2  # from no friction: what is left is the square of the map's contraction, often some thousandths
 STEPS = 3  # of Newton's method, after which that is round-off
-CLOSE = 1e-8  # of the last step, relative: what is left is smaller by the step before
-LEAST_STEP = 1e-14  # of the factor, where the continuation ends
-NEWTON = 12  # steps from a solution nearby
-SEARCH = 40  # from anywhere
+STEP_TOL = 1e-8  # of the last step, relative: what is left is smaller by the step before
+MIN_STEP = 1e-14  # of the factor, where the continuation ends
+NEWTON_STEPS = 12  # steps from a solution nearby
+SEARCH_STEPS = 40  # from anywhere
 STARTS = (1e-2, 1.0, 1e2, 1e4)  # times the loads without friction: where other solutions are looked for
-APART = 1e-6  # of each other, relative: two solutions
-FASTER = 0.5  # by which each step of Newton's method is shorter than the one before, near to a solution
+SAME_SOLUTION_TOL = 1e-6  # of each other, relative: two solutions
+MAX_STEP_RATIO = 0.5  # by which each step of Newton's method is shorter than the one before, near to a solution
 
 
 @dataclass(frozen=True)
 class Rubbing:
     """One friction of a group at some samples."""
 
-    of: Friction
+    friction: Friction
     sense: Any
     viscous: Any  # what resists whatever the load, N m or N
     share: Any = 1.0  # of the coefficient
 
     def slope(self, factor: Any = 1.0) -> Any:
         """The friction by the load, with a factor on the coefficient: s c of (1)."""
-        return self.sense * self.contact.factor(self.of, factor * self.share * self.of.coefficient)
+        return self.sense * self.contact.factor(self.friction, factor * self.share * self.friction.coefficient)
 
     @property
     def contact(self) -> RubbingContact:
         """The rule of its joint."""
-        return CONTACTS[type(self.of)]
+        return CONTACTS[type(self.friction)]
 
     def size(self, X: Any) -> Any:
         """The load |X|."""
@@ -77,10 +77,10 @@ class Loads:
         """How far w is from solving (1), and the rows of the Jacobian."""
         # Joints of one force share the sum of its changes in a recorded line.
         X = [x + reduce(add, map(np.multiply, row, w)) for x, row in zip(self.X0, self.S, strict=True)]
-        sizes = [one.size(of) for one, of in zip(self.rubbing, X, strict=True)]
+        sizes = [joint.size(load) for joint, load in zip(self.rubbing, X, strict=True)]
         parts = [*zip(self.rubbing, slopes, X, sizes, strict=True)]
-        F = [x + one.viscous + slope * size for x, (one, slope, _, size) in zip(w, parts, strict=True)]
-        gradients = (slope * one.gradient(of, size) for one, slope, of, size in parts)
+        F = [x + joint.viscous + slope * size for x, (joint, slope, _, size) in zip(w, parts, strict=True)]
+        gradients = (slope * joint.gradient(load, size) for joint, slope, load, size in parts)
         J = (
             [dot(gradient, s) + (1.0 if i == j else 0.0) for j, s in enumerate(self.S[i])]
             for i, gradient in enumerate(gradients)
@@ -90,10 +90,10 @@ class Loads:
     @property
     def gains(self) -> list[list[Any]]:
         """By how much the loads change at most by each other: |S_ij| c_j."""
-        slopes = [np.abs(one.slope()) for one in self.rubbing]
+        slopes = [np.abs(joint.slope()) for joint in self.rubbing]
         return [
-            [one.size(s) * slope for s, slope in zip(row, slopes, strict=True)]
-            for one, row in zip(self.rubbing, self.S, strict=True)
+            [joint.size(s) * slope for s, slope in zip(row, slopes, strict=True)]
+            for joint, row in zip(self.rubbing, self.S, strict=True)
         ]
 
     @property
@@ -107,7 +107,7 @@ class Loads:
 
     def solved(self) -> tuple[list[Any], Any]:
         """Return w of (1) by a few steps, and a number that is below one where they are near to its one solution."""
-        slopes = [one.slope() for one in self.rubbing]
+        slopes = [joint.slope() for joint in self.rubbing]
         # A fixed number of steps, so that the method is a straight line that can be recorded: fixed-point steps from no
         # friction, which are safe in a contraction, then Newton's. Whether that was enough is asked at the end, by the
         # last step.
@@ -124,7 +124,7 @@ class Loads:
             w = [self.about(x - dx) for x, dx in zip(w, dw, strict=True)]
         bound = self.contraction
         for x, dx in zip(w, dw, strict=True):
-            bound = chosen(np.abs(dx) <= CLOSE * np.abs(x), bound, np.inf)
+            bound = chosen(np.abs(dx) <= STEP_TOL * np.abs(x), bound, np.inf)
         return w, bound
 
     def picked(self, rows: Any) -> "Loads":
@@ -133,7 +133,9 @@ class Loads:
         def some(values: Any) -> Any:
             return np.broadcast_to(values, rows.shape)[rows]
 
-        rubbing = [Rubbing(one.of, *map(some, (one.sense, one.viscous, one.share))) for one in self.rubbing]
+        rubbing = [
+            Rubbing(joint.friction, *map(some, (joint.sense, joint.viscous, joint.share))) for joint in self.rubbing
+        ]
         return Loads(rubbing, [*map(some, self.X0)], [[*map(some, row)] for row in self.S])
 
     def stepped(self, w: Samples, factor: Any, steps: int, *, anywhere: bool = False) -> tuple[Samples, Any, Any]:
@@ -143,7 +145,7 @@ class Loads:
         """
         # Newton's method is near a solution where each step is at most half the last. A positive determinant (without
         # friction it is one) means that no fold was passed.
-        slopes = [one.slope(factor) for one in self.rubbing]
+        slopes = [joint.slope(factor) for joint in self.rubbing]
         near, before = np.ones(len(w), np.bool_), np.full(len(w), np.inf)
         for _ in range(steps):
             F, J = self.open([*w.T], slopes)
@@ -154,22 +156,22 @@ class Loads:
             dw[regular] = np.linalg.solve(A[regular], np.stack(F, axis=-1)[regular][..., None])[..., 0]
             w = w - dw
             length = np.abs(dw).max(axis=-1) / np.abs(w).max(axis=-1, initial=1e-300)
-            near &= (length <= FASTER * before) | (length <= CLOSE)
+            near &= (length <= MAX_STEP_RATIO * before) | (length <= STEP_TOL)
             before = length
-            if not ((length > CLOSE) & (near | anywhere)).any():  # what is not a number has ended too
+            if not ((length > STEP_TOL) & (near | anywhere)).any():  # what is not a number has ended too
                 break
-        return w, before <= CLOSE, near
+        return w, before <= STEP_TOL, near
 
     def continued(self) -> tuple[Samples, Any]:
         """The solution that the one without friction becomes, (r, K), and where it ends before the factor 1, (r,)."""
-        w = -np.stack([one.viscous for one in self.rubbing], axis=-1)
+        w = -np.stack([joint.viscous for joint in self.rubbing], axis=-1)
         factor, step = np.zeros(len(w)), np.full(len(w), 0.25)
         # Numerical continuation row by row: the step of the factor doubles on success and is halved on failure. Below
-        # LEAST_STEP the branch has ended.
-        while (left := (factor < 1) & (step > LEAST_STEP)).any():
+        # MIN_STEP the branch has ended.
+        while (left := (factor < 1) & (step > MIN_STEP)).any():
             going = np.flatnonzero(left)
             trial = np.minimum(1.0, factor[going] + step[going])
-            found, good, near = self.picked(left).stepped(w[going], trial, NEWTON)
+            found, good, near = self.picked(left).stepped(w[going], trial, NEWTON_STEPS)
             fine = good & near
             w[going[fine]], factor[going[fine]] = found[fine], trial[fine]
             step[going] *= np.where(fine, 2.0, 0.5)
@@ -177,7 +179,7 @@ class Loads:
 
     def several(self, w: Samples) -> Any:
         """Whether there is a solution other than w, as far as one is found from some starts, shape (r,)."""
-        slope = np.stack([one.slope() for one in self.rubbing], axis=-1)
+        slope = np.stack([joint.slope() for joint in self.rubbing], axis=-1)
         loads = np.max(np.abs(self.X0), axis=0)[:, None]
         gains = np.moveaxis(np.array(self.gains), -1, 0)
         unproven, another = np.abs(np.linalg.eigvals(gains)).max(axis=-1) >= 1, np.zeros(len(w), np.bool_)
@@ -186,8 +188,8 @@ class Loads:
         for some in (np.ones(len(self.rubbing)), *np.eye(len(self.rubbing))) if unproven.any() else ():
             for start in STARTS:
                 from_there = -slope * loads * start * some
-                found, good, _ = self.stepped(from_there, 1.0, SEARCH, anywhere=True)
-                another |= good & (np.abs(found - w).max(axis=-1) > APART * np.abs(w).max(axis=-1))
+                found, good, _ = self.stepped(from_there, 1.0, SEARCH_STEPS, anywhere=True)
+                another |= good & (np.abs(found - w).max(axis=-1) > SAME_SOLUTION_TOL * np.abs(w).max(axis=-1))
         return another & unproven
 
 

@@ -77,7 +77,7 @@ def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
     """Place the first point at the origin, the second on x, every further one on the side where the sketch shows it."""
     lengths = body.lengths or {}
     first, second, *others = body.points
-    at = scene.drawn
+    drawn = scene.drawn
     local = {first: 0j, second: lengths[frozenset((first, second))] + 0j}
     for C in others:
         A, B = body.bases[C]
@@ -88,7 +88,7 @@ def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
         # the triangle's area, which keeps those that a root of b^2 - x^2 would lose.
         x = (c + (b - a) * (b + a) / c) / 2
         y = twice_area(a, b, c) / c
-        side = chosen(cross(at[B] - at[A], at[C] - at[A]) > 0, y, -y)
+        side = chosen(cross(drawn[B] - drawn[A], drawn[C] - drawn[A]) > 0, y, -y)
         local[C] = local[A] + base / c * as_complex((x, side))
     return local
 
@@ -111,20 +111,22 @@ def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) 
         return 1 + 0j
     if any(drive.on == GROUND and drive.body in aligned for drive in scene.drives):
         return cmath.exp(1j * scene.sketch.drive)
-    at = scene.drawn
+    drawn = scene.drawn
     names = (body, *sorted(aligned))
-    shown = {name: [point for point in bodies[name].local if point in at] for name in names}
+    shown = {name: [point for point in bodies[name].local if point in drawn] for name in names}
     owner = next((name for name in names if len(shown[name]) > 1), None)
     if owner is not None:
         # Orthogonal Procrustes problem in the plane: the turn is that of sum conj(s) z, both about their means.
         local, points = bodies[owner].local, shown[owner]
-        own, drawn = (sum(place[point] for point in points) / len(points) for place in (local, at))
-        return _unit(sum((local[point] - own).conjugate() * (at[point] - drawn) for point in points))
+        local_middle, middle = (sum(place[point] for point in points) / len(points) for place in (local, drawn))
+        return _unit(sum((local[point] - local_middle).conjugate() * (drawn[point] - middle) for point in points))
     for name in (name for name in names if name in scene.slides):
         on = scene.slides[name].on
         if shown[name] and shown[on]:
             a, b = shown[on][0], shown[name][0]
-            return _unit((at[b] - at[a]) * _way(scene, bodies, (on, a), (name, b), abs(at[b] - at[a])).conjugate())
+            return _unit(
+                (drawn[b] - drawn[a]) * _way(scene, bodies, (on, a), (name, b), abs(drawn[b] - drawn[a])).conjugate()
+            )
     turned = cmath.exp(1j * scene.sketch.drive)
     (drive,) = scene.drives
     if drive.body in aligned:

@@ -78,10 +78,10 @@ class BoundedBalance(RecordedBalance):
             Traced(x.make, x.make("within", x.x, (error + np.abs(slope) * distance).x)) for x, error, slope in every
         ]
 
-    def rubbing(self, one: Friction) -> Rubbing:
+    def rubbing(self, friction: Friction) -> Rubbing:
         """A friction as it acts, of one sense at a time."""
-        rubbing = super().rubbing(one)
-        return replace(rubbing, sense=rubbing.sense.whole) if one.smooth is None else rubbing
+        rubbing = super().rubbing(friction)
+        return replace(rubbing, sense=rubbing.sense.whole) if friction.smooth is None else rubbing
 
     def acting(self, load: PressForce, place: str) -> Any:
         """Whether a press force acts."""

@@ -18,7 +18,8 @@ from ..core.placing import Kinematics
 
 SAMPLES = 3600  # of a turn, or a driven slider's way: what changes twice between two of them is not seen
 BISECTIONS = 60  # from the whole way down to the last place
-ROUNDED = 16 * np.finfo(float).eps  # of the largest coordinate: what does not reach by less may be in line all the way
+# Of the largest coordinate: what does not reach by less may be in line all the way.
+IN_LINE_TOL = 16 * np.finfo(float).eps
 End: TypeAlias = tuple[float, str]  # a position of the drive, rad or m, and the joint of the group singular there
 
 
@@ -73,7 +74,7 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[tuple[End, End]]:
     """
     turn, start = linkage.drive.turn, linkage.drive.law.start
     least, most = linkage.drive.law.extent if turn == inf else (start, start + turn)
-    holds, nearly = (partial(_reached, scene, linkage, rounded=error) for error in (0.0, ROUNDED))
+    holds, nearly = (partial(_reached, scene, linkage, rounded=error) for error in (0.0, IN_LINE_TOL))
     outside, inside = changes(holds, least, most, nearly)
     if not len(inside):
         return []

@@ -21,11 +21,11 @@ from ..core.decomposition import Dyad, Linkage, guides_cross
 from ..core.groups.group_equations import Group
 from ..core.groups.newton_group import ROUGHLY, least_singular_value
 from ..core.placing import Kinematics
-from .motion_range import ROUNDED, extent_of, in_line, motion_at, motion_range
+from .motion_range import IN_LINE_TOL, extent_of, in_line, motion_at, motion_range
 
 SAMPLES = 720  # a cycle, to find where a group is nearest to a singular configuration
 POINTS, ROUNDS = 17, 16  # of each look closer: 8 times closer, down to the last place
-MEET = 64 * np.finfo(float).eps  # of the largest coordinate: a distance that is lost in round-off
+MEETING_TOL = 64 * np.finfo(float).eps  # of the largest coordinate: a distance that is lost in round-off
 PLACE_TOL = 1e-12  # of a turn, or of the way: how closely a place is known
 
 
@@ -51,7 +51,7 @@ def change_points(scene: Scene, linkage: Linkage) -> list[tuple[float, str]]:
     low, high = (start - pi, start + pi) if linkage.drive.slide is None else linkage.drive.law.extent
     way = np.linspace(low, high, SAMPLES + 1)
     k = motion_at(scene, linkage, way)
-    lost, found = MEET * extent_of(scene), dict[tuple[float, str], None]()
+    lost, found = MEETING_TOL * extent_of(scene), dict[tuple[float, str], None]()
     for group, i in lowest(linkage.groups, k, way, short_of(scene, linkage, k, way)):
         neighbours = way[max(i - 1, 0) : i + 2]
         if (to_lock([group], motion_at(scene, linkage, neighbours), neighbours)[group][[0, -1]] > lost).all() and (
@@ -63,7 +63,7 @@ def change_points(scene: Scene, linkage: Linkage) -> list[tuple[float, str]]:
 
 def short_of(scene: Scene, linkage: Linkage, k: Kinematics, way: Samples) -> dict[str, Samples]:
     """By inner joint, whether a group does not reach by more than roundings, shape (n,)."""
-    lost, short = ROUNDED * extent_of(scene), {}
+    lost, short = IN_LINE_TOL * extent_of(scene), {}
     for group in linkage.groups:
         beyond = np.abs(np.broadcast_to(k.to_lock.get(group.P, inf), way.shape)) > lost
         short[group.P] = (np.broadcast_to(k.reach.get(group.P, 0.0), way.shape) < 0) & beyond
@@ -92,7 +92,9 @@ def look_closer(
 ) -> tuple[float, list[Dyad | Group]] | None:
     """Where groups are singular between two positions, where one is nearest to that, and which; None if it is not."""
     size = extent_of(scene)
-    lost = {g: ROUGHLY * linkage.tracks[g].equations.size if isinstance(g, Group) else MEET * size for g in groups}
+    lost = {
+        g: ROUGHLY * linkage.tracks[g].equations.size if isinstance(g, Group) else MEETING_TOL * size for g in groups
+    }
     for _ in range(ROUNDS):
         way = np.linspace(way[0], way[-1], POINTS)
         distances = to_lock(groups, motion_at(scene, linkage, way), way)

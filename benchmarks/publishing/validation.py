@@ -58,8 +58,8 @@ def main() -> int:
     values = pd.read_csv(options.tables / "values.csv", dtype=str, keep_default_na=False)
     with TemporaryDirectory() as folder:
         found = [
-            agreement(options.tables / "scenes" / f"{scene}.toml", own, Path(folder))
-            for scene, own in values.groupby("scene", sort=False)
+            agreement(options.tables / "scenes" / f"{scene}.toml", numbers, Path(folder))
+            for scene, numbers in values.groupby("scene", sort=False)
         ]
     table = pd.DataFrame(found).rename(columns={"error": "largest error", "of_tolerance": "of its tolerance"})
     for column in ("largest error", "of its tolerance"):
@@ -79,7 +79,7 @@ def agreement(file: Path, values: pd.DataFrame, folder: Path) -> Agreement:
         # A position that the drive passes forth and back has two values of one channel. Numbered by their occurrence,
         # the values become tables in each of which the axis is unique, as a result needs it.
         again = values.groupby([way, "channel"]).cumcount()
-        found = [judged(reference, own, way, folder / scene.name) for _, own in values.groupby(again)]
+        found = [judged(reference, numbers, way, folder / scene.name) for _, numbers in values.groupby(again)]
     except InputError as error:
         return Agreement(file.stem, "", *count, nan, inf, f"refused: {str(error).rpartition('/')[2]}")
     measured = [each for each, _ in found]

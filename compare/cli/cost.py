@@ -55,6 +55,6 @@ def _memory() -> float:
         import resource
     except ImportError:  # on Windows
         return float("inf")
-    own, _ = resource.getrlimit(resource.RLIMIT_AS)
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    return float(machine if own == resource.RLIM_INFINITY else min(own, machine))
+    return float(machine if limit == resource.RLIM_INFINITY else min(limit, machine))

@@ -51,10 +51,12 @@ def seen(name: str, solved: Scene, tmp_path_factory: pytest.TempPathFactory) -> 
     """All that is seen of a run on a scene that the engine solves."""
     folder, answer = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("answer") / "answer.json"
     path = os.pathsep.join(os.path.abspath(place) for place in sys.path)  # noqa: PTH100 - not resolved
-    own = {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONHASHSEED": "1"}
-    own |= dict.fromkeys(("TMPDIR", "TEMP", "TMP", "HOME"), str(folder))
+    environment = {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONHASHSEED": "1"}
+    environment |= dict.fromkeys(("TMPDIR", "TEMP", "TMP", "HOME"), str(folder))
     command = [sys.executable, "-c", CODE, name, solved.name, str(answer)]
-    done = subprocess.run(command, cwd=folder, env={**os.environ, **own}, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=folder, env={**os.environ, **environment}, capture_output=True, text=True, check=False
+    )
     known = json.loads(answer.read_text(encoding="utf-8")) if answer.exists() else {}
     left = sorted(str(left.relative_to(folder)) for left in folder.rglob("*"))
     return Seen(answer=known, printed=done.stdout + done.stderr, left=left)

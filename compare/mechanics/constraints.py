@@ -93,7 +93,7 @@ class Constraints:
         J = self.jacobian(q)
         inverse = self._solve(J, np.broadcast_to(np.eye(len(self.units)), J.shape))
         driven = inputs_of(self.scene, motion["time"]).driven()
-        _, rate, acceleration = (of[:, np.newaxis] / self.units[-1] for of in driven)
+        _, rate, acceleration = (driven_order[:, np.newaxis] / self.units[-1] for driven_order in driven)
         v = (inverse[:, :, -1] * rate).reshape(q.shape)
         bending = (inverse @ self.bending(q, v)[..., np.newaxis])[..., 0]
         a = (inverse[:, :, -1] * acceleration - bending).reshape(q.shape)
@@ -137,7 +137,7 @@ class Constraints:
         # The determinant of a block-triangular matrix is the product of its blocks' determinants, but for the sign of
         # the permutation, which is the same in all poses.
         each = [np.linalg.slogdet(_blocks(J, rows, columns)) for rows, columns, _ in self._groups]
-        signs, sizes = (np.concatenate(of, axis=1) for of in zip(*each, strict=True))
+        signs, sizes = (np.concatenate(parts, axis=1) for parts in zip(*each, strict=True))
         return np.where(np.isnan(sizes.sum(axis=1)), np.nan, signs.prod(axis=1))
 
     def _solve(self, J: Matrices, right: Samples) -> Samples:
@@ -185,7 +185,9 @@ def _alike(blocks: Iterable[DiagonalBlock]) -> list[_Blocks]:
         below = 1 + max((depth[column] for column in block.left), default=-1)
         depth |= dict.fromkeys(block.columns, below)
         alike.setdefault((below, len(block.columns), len(block.left)), []).append(block)
-    return [_Blocks(*(np.array(of, np.intp) for of in zip(*alike[size], strict=True))) for size in sorted(alike)]
+    return [
+        _Blocks(*(np.array(numbers, np.intp) for numbers in zip(*alike[size], strict=True))) for size in sorted(alike)
+    ]
 
 
 def _blocks(J: Matrices, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Samples:

@@ -15,7 +15,7 @@ from .motion_vectors import MotionVectors
 
 
 class JudgedContact(ABC):
-    """What one type of friction is by; `one` is a friction of that type."""
+    """What one type of friction is by; `friction` is one of that type."""
 
     turns: bool  # whether its parts turn on each other, else they slide
     joint: str  # what sentences call the joint, with a gap for its place
@@ -23,19 +23,19 @@ class JudgedContact(ABC):
     others: Mapping[str, str] = {}  # by what sentences call them, its other numbers
 
     @abstractmethod
-    def rate(self, one: Any, state: MotionVectors) -> Samples:
+    def rate(self, friction: Any, state: MotionVectors) -> Samples:
         """How fast the parts of the joint move on each other."""
 
     @abstractmethod
-    def load(self, one: Any, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
+    def load(self, friction: Any, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
         """What the friction goes by, N, from channels of forces."""
 
     @abstractmethod
-    def coefficient(self, one: Any) -> float:
+    def coefficient(self, friction: Any) -> float:
         """Friction by its load, m or 1."""
 
     @abstractmethod
-    def share(self, one: Any, size: float) -> float:
+    def share(self, friction: Any, size: float) -> float:
         """By how much a newton more in every joint of a linkage of a size, m, is more of the load."""
 
 
@@ -46,20 +46,20 @@ class JudgedPin(JudgedContact):
     joint = "the pin {place}"
     linear = "radius"
 
-    def rate(self, one: PinFriction, state: MotionVectors) -> Samples:
+    def rate(self, friction: PinFriction, state: MotionVectors) -> Samples:
         """The rate of the later body against the first, rad/s."""
-        first, second = one.joined(state.scene)
+        first, second = friction.joined(state.scene)
         return state.turning(second)[1] - state.turning(first)[1]
 
-    def load(self, one: PinFriction, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
+    def load(self, friction: PinFriction, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
         """The force of the pin."""
-        return np.asarray(np.hypot(*(forces[name] for name in scene.channels.pins[one.joint(scene)])))
+        return np.asarray(np.hypot(*(forces[name] for name in scene.channels.pins[friction.joint(scene)])))
 
-    def coefficient(self, one: PinFriction) -> float:
+    def coefficient(self, friction: PinFriction) -> float:
         """The radius of the friction circle."""
-        return one.radius * sin(atan(one.coefficient))
+        return friction.radius * sin(atan(friction.coefficient))
 
-    def share(self, one: PinFriction, size: float) -> float:  # noqa: ARG002
+    def share(self, friction: PinFriction, size: float) -> float:  # noqa: ARG002
         """That newton."""
         return 1.0
 
@@ -72,22 +72,22 @@ class JudgedGuide(JudgedContact):
     linear = "coefficient"
     others = {"length of contact": "length"}  # noqa: RUF012
 
-    def rate(self, one: GuideFriction, state: MotionVectors) -> Samples:
+    def rate(self, friction: GuideFriction, state: MotionVectors) -> Samples:
         """The rate of the slider along its guide, m/s."""
-        return state.sliding(state.scene.bodies[one.slider])
+        return state.sliding(state.scene.bodies[friction.slider])
 
-    def load(self, one: GuideFriction, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
+    def load(self, friction: GuideFriction, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
         """What both ends of the contact carry."""
-        normal, couple = (forces[name] for name in scene.channels.guides[one.slider])
-        return np.asarray(np.abs(normal / 2 - couple / one.length) + np.abs(normal / 2 + couple / one.length))
+        normal, couple = (forces[name] for name in scene.channels.guides[friction.slider])
+        return np.asarray(np.abs(normal / 2 - couple / friction.length) + np.abs(normal / 2 + couple / friction.length))
 
-    def coefficient(self, one: GuideFriction) -> float:
+    def coefficient(self, friction: GuideFriction) -> float:
         """Its own."""
-        return one.coefficient
+        return friction.coefficient
 
-    def share(self, one: GuideFriction, size: float) -> float:
+    def share(self, friction: GuideFriction, size: float) -> float:
         """That newton, and what its couple has at both ends."""
-        return 1 + 2 * size / one.length
+        return 1 + 2 * size / friction.length
 
 
 CONTACTS: Mapping[type[Friction], JudgedContact] = {PinFriction: JudgedPin(), GuideFriction: JudgedGuide()}

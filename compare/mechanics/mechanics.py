@@ -59,8 +59,8 @@ class Mechanics:
     @cached_property
     def newtons(self) -> Mapping[str, float]:
         """By force channel what one newton is there: 1 N, or its moment at an arm of the largest length, N m."""
-        one = {"N": 1.0, "N*m": self.size}
-        return {channel: one[self.units[channel]] for channel in self.forces}
+        unit_of = {"N": 1.0, "N*m": self.size}
+        return {channel: unit_of[self.units[channel]] for channel in self.forces}
 
     @cached_property
     def perturbed(self) -> tuple["Mechanics", ...]:
@@ -68,7 +68,7 @@ class Mechanics:
 
         A drive's frequencies stay, which decide how long a cycle is: instants a few last places off do the same.
         """
-        numbers = {one.at: one.value for one in rounded(self.scene)}
+        numbers = {number.at: number.value for number in rounded(self.scene)}
         # Random signs for all numbers at once: a few draws show the sensitivity of a result to round-off of its inputs
         # at the price of a few solutions, where one draw a number would take hundreds. Draws may cancel in one channel
         # by chance, so the worst of several counts.

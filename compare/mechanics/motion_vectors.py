@@ -76,8 +76,8 @@ class MotionVectors:
         """Where a slider's first point is on its guide, from `through`: along it, and i times beside it, m."""
         assert body.slide is not None
         origin, x_axis = self.frame(body.slide.on)
-        own = x_axis.conjugate() * (self.place(body.points[0]) - origin)
-        return np.asarray((own - plane(body.slide.through)) * np.conj(plane(body.slide.along)))
+        arm = x_axis.conjugate() * (self.place(body.points[0]) - origin)
+        return np.asarray((arm - plane(body.slide.through)) * np.conj(plane(body.slide.along)))
 
     def along(self, body: Body) -> Vectors:
         """The unit vector along the guide of a body that slides, in the ground's frame."""
@@ -111,7 +111,7 @@ class MotionVectors:
         # The displacement between two samples is the quintic through both ends' values, rates and accelerations; a dead
         # point between them is where its derivative vanishes.
         turns = np.flatnonzero((v[:-1] > 0) & (v[1:] < 0))
-        inside = [_peak(quintic(h[k], *(of[k : k + 2] for of in (x, v, a)))) for k in turns]
+        inside = [_peak(quintic(h[k], *(samples[k : k + 2] for samples in (x, v, a)))) for k in turns]
         return load.closing * max([float(x.max()), *inside])
 
     def stroke_ends(self) -> tuple[float, ...]:

@@ -57,7 +57,7 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
 
 def _kinematics(mechanics: Mechanics, poses: ClosedPoses) -> dict[str, Samples]:
     scene, constraints, channels = mechanics.scene, mechanics.constraints, dict[str, Samples]()
-    (z, angle), (dz, omega), (ddz, alpha) = (planes(of) for of in (poses.q, poses.v, poses.a))
+    (z, angle), (dz, omega), (ddz, alpha) = (planes(part) for part in (poses.q, poses.v, poses.a))
     for point, names in scene.channels.points.items():
         name = scene.owners[point][0]
         k = constraints.bodies[name]

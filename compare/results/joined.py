@@ -17,7 +17,7 @@ from scenes.model.motion import Samples
 
 from .table import Table, read_table
 
-ROUNDING = 1 + 1e-9  # of two halves of last decimals, by which a number that is rounded twice may differ
+ROUNDING_FACTOR = 1 + 1e-9  # of two halves of last decimals, by which a number that is rounded twice may differ
 
 
 def read_tables(
@@ -62,7 +62,7 @@ def _apart(files: Sequence[Path], tables: Sequence[Table], column: str) -> str:
         else:
             (a, half), (b, other) = known, numbers
             # Two programs may round one instant to different decimals: numbers agree if their rounding intervals touch.
-            same = np.abs(a[:count] - b[:count]) <= ROUNDING * (half[:count] + other[:count])
+            same = np.abs(a[:count] - b[:count]) <= ROUNDING_FACTOR * (half[:count] + other[:count])
         if not same.all() or len(texts) != len(others):
             row = count if same.all() else int((~same).argmax())
             wanted, found = (f"'{one_line(t[row], 30)}'" if row < len(t) else "no row" for t in (texts, others))

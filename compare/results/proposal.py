@@ -23,7 +23,7 @@ from ..engines.registry import Solve, reference
 from .frame import KNOWN, OF_ANGLES, Frame, seen, unit_near, vectors
 from .joined import read_tables
 from .moving_axes import by_links, left_by, moving
-from .proposal_text import MIN_RATIO_OF_READINGS, NOISE_TOL, NOTHING, SURE_TOL, Axis, Pair, as_toml
+from .proposal_text import MIN_RATIO_OF_READINGS, NO_ROWS, NOISE_TOL, SURE_TOL, Axis, Pair, as_toml
 from .result import name_and_files
 from .table import Table
 
@@ -90,7 +90,7 @@ def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
     for name in table.columns:
         with suppress(InputError):
             table.complete([name])[0].numbers(name)
-            numeric[name] = NOTHING
+            numeric[name] = NO_ROWS
     table, _ = table.complete(numeric)
     for name in [*numeric]:
         with suppress(InputError):

@@ -18,7 +18,7 @@ SAME_ZERO_TOL = 2e-3  # relative: places of one origin
 SURE_TOL = 1e-3  # of a column: what its channel leaves at most
 NOISE_TOL = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
 MIN_RATIO_OF_READINGS = 10  # of what is left by readings that a column tells apart
-NOTHING = np.zeros(0)
+NO_ROWS = np.zeros(0)
 
 
 class Axis(NamedTuple):
@@ -29,7 +29,7 @@ class Axis(NamedTuple):
     unit: str
     time: Samples  # s, but for the lag
     lag: float = 0.0  # s
-    left: Samples = NOTHING  # of each column's square, by the channels at these instants
+    left: Samples = NO_ROWS  # of each column's square, by the channels at these instants
 
 
 class Pair(NamedTuple):

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import formulas
 from .formulas import DEGREE, INITIAL, SCHEME_4, Array, Design
-from .printed import LARGEST_OPENING, LARGEST_PHI, LENGTH_RATIO, MAX_STROKE_RATIO, PLATEN_STROKE
+from .printed import LENGTH_RATIO, MAX_OPENING, MAX_PHI, MAX_STROKE_RATIO, PLATEN_STROKE
 
 LENGTH = 100.0  # mm, that slacks of lengths are relative to
 
@@ -66,8 +66,8 @@ def opening(d: Design, alpha: float | Array) -> Array:
 PRINTED: Mapping[str, Callable[[Design, Clearance], Array]] = {
     "L1 + d_B <= Hb + H_s/2": lambda d, clearance: (clearance.B - d.L1 + d.Hb) / LENGTH,
     "L5 + d_D <= Hb + H_s/2": lambda d, clearance: (clearance.D - d.L5 + d.Hb) / LENGTH,
-    OPENING: lambda d, _: LARGEST_OPENING * DEGREE - opening(d, d.alpha_max),
-    LITERAL: lambda d, _: LARGEST_OPENING * DEGREE - opening(d, 0.0),
+    OPENING: lambda d, _: MAX_OPENING * DEGREE - opening(d, d.alpha_max),
+    LITERAL: lambda d, _: MAX_OPENING * DEGREE - opening(d, 0.0),
     "L1/L2 >= 0.7": lambda d, _: d.L1 / d.L2 - LENGTH_RATIO[0],
     SLENDER: lambda d, _: LENGTH_RATIO[1] - d.L1 / d.L2,
     "L4 >= (d_D + d_E)/2": lambda d, clearance: (d.L4 - clearance.L4) / LENGTH,
@@ -89,5 +89,5 @@ def slacks(d: Design, clearance: Clearance) -> dict[str, Array]:
 # DE is too short for its guide; the sine goes on growing there and leads an optimiser back.
 def _below(sine: Array) -> Array:
     """How far phi is below its limit, rad where it is near; by the sine, which still grows past 90 deg."""
-    largest = LARGEST_PHI * DEGREE
+    largest = MAX_PHI * DEGREE
     return np.asarray((np.sin(largest) - sine) / np.cos(largest))

@@ -55,24 +55,24 @@ def _free_space(name: str, x: Mapping[str, float]) -> Iterator[Claim]:
 
 
 def _stability(name: str, design: Corners) -> Claim:
-    literally, allowed = design.over(lambda d: opening(d, 0.0) / DEGREE - printed.LARGEST_OPENING)
-    together, _ = design.over(lambda d: opening(d, d.alpha_max) / DEGREE - printed.LARGEST_OPENING)
+    literally, allowed = design.over(lambda d: opening(d, 0.0) / DEGREE - printed.MAX_OPENING)
+    together, _ = design.over(lambda d: opening(d, d.alpha_max) / DEGREE - printed.MAX_OPENING)
     return limit(
         f"constraint, toggle-lock stability, {name}",
         "α_max + γ + φ_max + θ ≤ 160°",
         literally,
         allowed,
-        scale=printed.LARGEST_OPENING,
-        computed=printed.LARGEST_OPENING + literally,
+        scale=printed.MAX_OPENING,
+        computed=printed.MAX_OPENING + literally,
         corrected=("with φ at α_max: φ is largest in the lock, where α = 0", together),
-        note=f"{printed.LARGEST_OPENING + together:.1f}° with φ at α_max",
+        note=f"{printed.MAX_OPENING + together:.1f}° with φ at α_max",
     )
 
 
 def _ranges(name: str, design: Corners) -> Iterator[Claim]:
     quantities = {
         "L1/L2": (MEASURES["L1/L2"].of, *printed.LENGTH_RATIO, "0.7 ≤ L1/L2 ≤ 0.85"),
-        "φ_max": (lambda d: at(d, 0.0).phi / DEGREE, 0.0, printed.LARGEST_PHI, "φ_max ≤ 85°"),
+        "φ_max": (lambda d: at(d, 0.0).phi / DEGREE, 0.0, printed.MAX_PHI, "φ_max ≤ 85°"),
         "S_m": (MEASURES["S_m"].of, *printed.PLATEN_STROKE, "500 ≤ S_m ≤ 600 mm"),
         "R_S": (MEASURES["R_S"].of, 0.0, printed.MAX_STROKE_RATIO, "R_S ≤ 1.12"),
     }

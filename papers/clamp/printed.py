@@ -39,4 +39,4 @@ BOUNDS: Mapping[str, tuple[float, float]] = {
 LENGTH_RATIO = (0.7, 0.85)  # of L1 to L2
 PLATEN_STROKE = (500.0, 600.0)  # S_m
 MAX_STROKE_RATIO = 1.12  # R_S
-LARGEST_PHI, LARGEST_OPENING = 85.0, 160.0
+MAX_PHI, MAX_OPENING = 85.0, 160.0

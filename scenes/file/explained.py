@@ -16,8 +16,8 @@ from .unknown import unknown
 File = TypeVar("File", bound=FileTable)
 Location: TypeAlias = Sequence[int | str]
 UnitOf: TypeAlias = Callable[[str], str]  # the name of a file's unit, by dimension
-FOUND = 40  # characters of what was found
-MANY = 6  # keys of a table: of more, only the first are listed
+MAX_FOUND = 40  # characters of what was found
+MAX_KEYS = 6  # keys of a table: of more, only the first are listed
 COUNTS = {2: "two", 3: "three"}
 NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 
@@ -179,13 +179,13 @@ def _table(location: Location, declared: ExpectedForm, given: object) -> str:
         return f" of tables, as [{path_in_file(location)}.NAME]"
     keys = [*model.model_fields.items()]
     needed = [name for name, field in keys if field.is_required()] or [name for name, _ in keys]
-    listed = ", ".join(map(repr, needed if len(needed) <= MANY else needed[: MANY // 2]))
-    return f" of {listed}{' and so on' if len(needed) > MANY else ''}"
+    listed = ", ".join(map(repr, needed if len(needed) <= MAX_KEYS else needed[: MAX_KEYS // 2]))
+    return f" of {listed}{' and so on' if len(needed) > MAX_KEYS else ''}"
 
 
 def as_written(value: object) -> str:
     """A value as a TOML file may have it, cut where it is long."""
-    return f"'{one_line(value, FOUND)}'" if isinstance(value, str) else one_line(_toml(value), FOUND)
+    return f"'{one_line(value, MAX_FOUND)}'" if isinstance(value, str) else one_line(_toml(value), MAX_FOUND)
 
 
 def _toml(value: object) -> str:

@@ -17,8 +17,8 @@ from ..scene import Scene
 from .motion import Samples
 
 Pattern: TypeAlias = Sequence[Sequence[int]]  # by row the columns where an entry may be other than zero
-HEAVY = 1e3  # weight of what does not give way: the drive, and the angles of guides
-OPEN = 1e-9  # of the linkage's size: a gap larger than roundings
+HEAVY_WEIGHT = 1e3  # weight of what does not give way: the drive, and the angles of guides
+OPEN_TOL = 1e-9  # of the linkage's size: a gap larger than roundings
 BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
@@ -100,7 +100,7 @@ def open_joint(
     from scipy.optimize import least_squares, minimize  # late: only a linkage that fails needs it
 
     is_gap = np.isin(np.arange(len(q)), np.concatenate([*joints.values()]))
-    scale, weights = np.where(is_gap, 1 / size, 1.0), np.where(is_gap, 1.0, HEAVY * max(1.0, 1 / size))
+    scale, weights = np.where(is_gap, 1 / size, 1.0), np.where(is_gap, 1.0, HEAVY_WEIGHT * max(1.0, 1 / size))
 
     def relative(x: Samples) -> Samples:
         return np.asarray(scale * gaps(x * units))
@@ -121,14 +121,14 @@ def open_joint(
     # Now the least gap of that joint alone, with all other constraints as equations (sequential quadratic programming).
     # Where the others cannot be closed even so, more than one joint is to blame, and none is named.
     def square(x: Samples) -> tuple[Any, Samples]:
-        own = relative(x)[rows]
-        return own @ own, 2 * own @ slope(x)[rows]
+        gap = relative(x)[rows]
+        return gap @ gap, 2 * gap @ slope(x)[rows]
 
     closed = {"type": "eq", "fun": lambda x: relative(x)[others], "jac": lambda x: slope(x)[others]}
     closest = minimize(square, x, jac=True, constraints=closed, method="SLSQP", options={"ftol": 1e-14})
     left = relative(closest.x)
     gap = float(np.linalg.norm(left[rows]))
-    return worst, gap * size if gap > OPEN and np.abs(left[others]).max() <= OPEN else 0.0
+    return worst, gap * size if gap > OPEN_TOL and np.abs(left[others]).max() <= OPEN_TOL else 0.0
 
 
 def misfit(

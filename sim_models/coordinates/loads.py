@@ -51,39 +51,39 @@ class LoadedPose:
         return length
 
 
-def applied(at: LoadedPose) -> Iterator[Wrench]:
+def applied(pose: LoadedPose) -> Iterator[Wrench]:
     """Yield what all loads and springs do."""
-    for place, element in at.scene.elements:
-        yield from RULES[type(element)](element, place, at)
+    for place, element in pose.scene.elements:
+        yield from RULES[type(element)](element, place, pose)
 
 
-def _force(load: Force, _: str, at: LoadedPose) -> Iterator[Wrench]:
-    return at.on_body(load, complex(*load.force))
+def _force(load: Force, _: str, pose: LoadedPose) -> Iterator[Wrench]:
+    return pose.on_body(load, complex(*load.force))
 
 
-def _press(load: PressForce, place: str, at: LoadedPose) -> Iterator[Wrench]:
-    acts = load.acts(*at.slid(load.body), at.ends[place])
-    return at.on_body(load, acts * complex(*load.force))
+def _press(load: PressForce, place: str, pose: LoadedPose) -> Iterator[Wrench]:
+    acts = load.acts(*pose.slid(load.body), pose.ends[place])
+    return pose.on_body(load, acts * complex(*load.force))
 
 
-def _force_table(load: ForceTable, _: str, at: LoadedPose) -> Iterator[Wrench]:
+def _force_table(load: ForceTable, _: str, pose: LoadedPose) -> Iterator[Wrench]:
     assert load.table is not None
-    displacement, _velocity = at.slid(load.body)
-    return at.on_body(load, complex(*at.scene.slides[load.body].along) * load.table.at(displacement))
+    displacement, _velocity = pose.slid(load.body)
+    return pose.on_body(load, complex(*pose.scene.slides[load.body].along) * load.table.at(displacement))
 
 
-def _spring(spring: Spring, _: str, at: LoadedPose) -> Iterator[Wrench]:
-    first, second = (at.place(end) for end in spring.ends)
+def _spring(spring: Spring, _: str, pose: LoadedPose) -> Iterator[Wrench]:
+    first, second = (pose.place(end) for end in spring.ends)
     way = second - first
-    relaxed = spring.length * way / at.apart(spring, way) if spring.length else 0
+    relaxed = spring.length * way / pose.apart(spring, way) if spring.length else 0
     pull = spring.stiffness * (way - relaxed)
     yield Wrench(spring.first[0], first, pull)
     yield Wrench(spring.second[0], second, -pull)
 
 
-def _constant_force_spring(spring: ConstantForceSpring, _: str, at: LoadedPose) -> Iterator[Wrench]:
-    first, second = (at.place(end) for end in spring.ends)
-    pull = spring.force * (second - first) / at.apart(spring, second - first)
+def _constant_force_spring(spring: ConstantForceSpring, _: str, pose: LoadedPose) -> Iterator[Wrench]:
+    first, second = (pose.place(end) for end in spring.ends)
+    pull = spring.force * (second - first) / pose.apart(spring, second - first)
     yield Wrench(spring.first[0], first, pull)
     yield Wrench(spring.second[0], second, -pull)
 

@@ -18,20 +18,20 @@ TURN = 2  # of x, y and the angle of a body
 
 
 class ExudynContact(ABC):
-    """What one type of friction is by; `one` is a friction of that type."""
+    """What one type of friction is by; `friction` is one of that type."""
 
     round: bool  # whether its load is the resultant of two parts; else the larger one
 
     @abstractmethod
-    def lever(self, one: Any) -> float:
+    def lever(self, friction: Any) -> float:
         """What the coefficient times the load is a moment about, m; 1 of a force."""
 
     @abstractmethod
-    def carried(self, one: Any, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:
+    def carried(self, friction: Any, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:
         """Both parts of its load, N, from the channels of forces."""
 
     @abstractmethod
-    def direct(self, one: Any, system: "ExudynSystem", q: Array, B: Array) -> None:
+    def direct(self, friction: Any, system: "ExudynSystem", q: Array, B: Array) -> None:
         """Fill in what turns or slides on the coordinates q by a unit of it, both of shape (n, 3 bodies)."""
 
 
@@ -40,17 +40,17 @@ class ExudynPin(ExudynContact):
 
     round = True
 
-    def lever(self, one: PinFriction) -> float:
+    def lever(self, friction: PinFriction) -> float:
         """Its radius."""
-        return one.radius
+        return friction.radius
 
-    def carried(self, one: PinFriction, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:
+    def carried(self, friction: PinFriction, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:
         """The force of the pin."""
-        return [forces[name] for name in system.scene.channels.pins[one.joint(system.scene)]]
+        return [forces[name] for name in system.scene.channels.pins[friction.joint(system.scene)]]
 
-    def direct(self, one: PinFriction, system: "ExudynSystem", q: Array, B: Array) -> None:  # noqa: ARG002
+    def direct(self, friction: PinFriction, system: "ExudynSystem", q: Array, B: Array) -> None:  # noqa: ARG002
         """Turn both bodies."""
-        for body, sign in zip(one.joined(system.scene), (-1, 1), strict=True):
+        for body, sign in zip(friction.joined(system.scene), (-1, 1), strict=True):
             if body != GROUND:
                 B[:, 3 * [*system.bodies].index(body) + TURN] = sign
 
@@ -60,18 +60,18 @@ class ExudynGuide(ExudynContact):
 
     round = False
 
-    def lever(self, one: GuideFriction) -> float:  # noqa: ARG002
+    def lever(self, friction: GuideFriction) -> float:  # noqa: ARG002
         """None."""
         return 1.0
 
-    def carried(self, one: GuideFriction, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:
+    def carried(self, friction: GuideFriction, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:
         """N and 2 M / length."""
-        force, moment = system.scene.channels.guides[one.slider]
-        return [forces[force], forces[moment] * (2 / one.length)]
+        force, moment = system.scene.channels.guides[friction.slider]
+        return [forces[force], forces[moment] * (2 / friction.length)]
 
-    def direct(self, one: GuideFriction, system: "ExudynSystem", q: Array, B: Array) -> None:
+    def direct(self, friction: GuideFriction, system: "ExudynSystem", q: Array, B: Array) -> None:
         """Push both bodies along the guide, at the slider's first point."""
-        on, slider = one.joined(system.scene)
+        on, slider = friction.joined(system.scene)
         (com, angle), (_, turn) = system.pose_of(slider, q), system.pose_of(on, q)
         along = system.along(slider) * np.exp(1j * (turn + 0 * angle))
         first = com + system.lever(slider) * np.exp(1j * angle)

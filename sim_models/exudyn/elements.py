@@ -29,7 +29,7 @@ LoadValue: TypeAlias = Callable[[Any, float], float]  # of the system, as it is 
 PressSwitches: TypeAlias = Mapping[str, Sequence[float]]  # by place in the file: s within a cycle, on and off in turn
 
 HALF_TURN = pi + 1e-9  # rad: half a turn is that, whichever way it was rounded
-SAME_INSTANT = 1e-10  # of a cycle; so close before a switch counts as after it, whichever way the clock was rounded
+SAME_INSTANT_TOL = 1e-10  # of a cycle; so close before a switch counts as after it, whichever way the clock was rounded
 
 
 class Target(NamedTuple):
@@ -82,7 +82,7 @@ def _press(load: PressForce, place: str, to: Target) -> None:
 
     def acts(_mbs: Any, clock: float) -> float:
         # The number of switches that are past: odd while the force acts.
-        time = drive.zero + clock + SAME_INSTANT * cycle
+        time = drive.zero + clock + SAME_INSTANT_TOL * cycle
         return float(bisect_right(instants, time % cycle if repeats else time) % 2)
 
     to.push(load, load.force, acts)
@@ -108,8 +108,8 @@ def _guide_force(load: GuideForce, _: str, to: Target) -> None:
     x, y = (size * part for part in slide.along)
     to.push(load, (x, y), value, turns=turns)
     if slide.on != GROUND:
-        at = system.through(load.body) + system.bodies[load.body].points[load.at] - system.lever(load.body)
-        to.push_at(slide.on, at, (-x, -y), value, turns=turns)
+        point = system.through(load.body) + system.bodies[load.body].points[load.at] - system.lever(load.body)
+        to.push_at(slide.on, point, (-x, -y), value, turns=turns)
 
 
 def _spring(spring: Spring, _: str, to: Target) -> None:
@@ -170,4 +170,4 @@ def _value(system: "ExudynSystem", load: TabledLoad) -> LoadValue | None:
     else:
         markers = [(system.angle_of(body), sign) for body, sign in ((driven.body, 1), (driven.on, -1))]
     read = system.coordinate_at
-    return lambda mbs, _: float(table.at(sum(sign * read(mbs, at) for at, sign in markers)))
+    return lambda mbs, _: float(table.at(sum(sign * read(mbs, marker) for marker, sign in markers)))

@@ -23,22 +23,22 @@ class RubbingBalls(NamedTuple):
     radius: arb | None  # at which it resists, m; None of a force
 
 
-def _pin(one: PinFriction, linkage: LinkageEquations) -> RubbingBalls:
+def _pin(friction: PinFriction, linkage: LinkageEquations) -> RubbingBalls:
     from flint import arb, arb_mat
 
-    first, second = one.joined(linkage.scene)
+    first, second = friction.joined(linkage.scene)
     work = linkage.rows(1)
     linkage.add_angle(work, 0, second, first)
-    joint = linkage.scene.pins.index(one.pin(linkage.scene))
-    return RubbingBalls(joint, work, [arb_mat([[1, 0], [0, 1]])], arb(one.radius))
+    joint = linkage.scene.pins.index(friction.pin(linkage.scene))
+    return RubbingBalls(joint, work, [arb_mat([[1, 0], [0, 1]])], arb(friction.radius))
 
 
-def _guide(one: GuideFriction, linkage: LinkageEquations) -> RubbingBalls:
+def _guide(friction: GuideFriction, linkage: LinkageEquations) -> RubbingBalls:
     from flint import arb, arb_mat
 
-    joint = len(linkage.scene.pins) + list(linkage.scene.slides).index(one.slider)
-    ends = [arb_mat([[arb(0.5), end / arb(one.length)]]) for end in (1, -1)]
-    return RubbingBalls(joint, linkage.displacement(one.slider), ends, None)
+    joint = len(linkage.scene.pins) + list(linkage.scene.slides).index(friction.slider)
+    ends = [arb_mat([[arb(0.5), end / arb(friction.length)]]) for end in (1, -1)]
+    return RubbingBalls(joint, linkage.displacement(friction.slider), ends, None)
 
 
 CONTACTS: Mapping[type[Friction], Callable[[Any, LinkageEquations], RubbingBalls]] = {

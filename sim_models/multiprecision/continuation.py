@@ -29,7 +29,7 @@ CORRECTION_TOL = 1e-8  # of a correction in doubles, as much as `MIN_TURN` takes
 TRIALS = 9  # positions from a singular one to the goal, to find one where a joint stays open
 MAX_HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
 AIM = 0.4  # what that is to be in the next step
-LEAST_FACTOR, LARGEST_FACTOR = 0.5, 2.0  # of one step and the next
+MIN_FACTOR, MAX_FACTOR = 0.5, 2.0  # of one step and the next
 
 
 class PoseRates(NamedTuple):
@@ -117,9 +117,9 @@ class Continuation:
         enough = self.converged if share == 1 else ON_THE_WAY
         reached = self._newton(predicted, goal, share * motion.turn, enough)
         if reached is None:
-            return None, LEAST_FACTOR
+            return None, MIN_FACTOR
         change = self._relative(motion.inverse, self._varying(reached) - motion.B)
-        factor = max(LEAST_FACTOR, min(AIM / change, LARGEST_FACTOR)) if change > 0 else LARGEST_FACTOR
+        factor = max(MIN_FACTOR, min(AIM / change, MAX_FACTOR)) if change > 0 else MAX_FACTOR
         return (reached if change <= MAX_HOMOTOPY else None), factor
 
     def _relative(self, inverse: Samples, change: Samples) -> float:

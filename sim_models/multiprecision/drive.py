@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_series, fmpq
 
 from scenes import AtInputs, Request, Sampling
-from scenes.laws import SAME_INSTANT
+from scenes.laws import SAME_INSTANT_TOL
 from scenes.scene import ConstantSpeed, DriveLaw, HarmonicLaw, MotionLaw, SegmentedLaw
 
 # The way of the first half, of which the other is the mirror image, at a share x of the time; each up to a share.
@@ -124,10 +124,10 @@ def _segments(written: SegmentedLaw) -> Law:
     positions = [
         *accumulate(written.ends, lambda here, end: here if end is None else arb(end), initial=arb(written.start))
     ]
-    hair = Fraction(SAME_INSTANT) * ends[-1]
+    hair = Fraction(SAME_INSTANT_TOL) * ends[-1]
 
     def at(cycles: Fraction) -> Command:
-        periods = (cycles + Fraction(SAME_INSTANT)) // 1 if written.periodic else 0
+        periods = (cycles + Fraction(SAME_INSTANT_TOL)) // 1 if written.periodic else 0
         time = (cycles - periods) * ends[-1]
         last = bisect_right(ends, time + hair) - 1
         i = min(last, len(written.laws) - 1)

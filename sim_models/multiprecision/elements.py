@@ -238,11 +238,11 @@ def straight_lines(arguments: Sequence[float], values: Sequence[float], *, perio
     # A piecewise linear function as a sum of kinks instead of a search for the piece: a ball that holds a knot is in
     # two pieces at once, and the sum encloses the values of both.
     slopes = [arb(0), *((g - e) / (v - u) for (u, v), (e, g) in zip(pairwise(x), pairwise(f), strict=True)), arb(0)]
-    kinks = [(at, after - before) for at, (before, after) in zip(x, pairwise(slopes), strict=True)]
+    kinks = [(kink, after - before) for kink, (before, after) in zip(x, pairwise(slopes), strict=True)]
 
     def value(argument: arb) -> arb:
         if periodic:
             argument -= period * floor(float((argument - first) / period))
-        return f[0] + sum((change * (argument - at).nonnegative_part() for at, change in kinks), arb(0))
+        return f[0] + sum((change * (argument - kink).nonnegative_part() for kink, change in kinks), arb(0))
 
     return value

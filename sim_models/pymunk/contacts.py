@@ -22,32 +22,32 @@ class Largest(NamedTuple):
 
 
 class PymunkContact(ABC):
-    """What one type of friction is by; `one` is a friction of that type."""
+    """What one type of friction is by; `friction` is one of that type."""
 
     sides: bool  # whether its load is the larger of two parts; else their resultant
 
     @abstractmethod
-    def carried(self, one: Any, scene: Scene) -> Sequence[str]:
+    def carried(self, friction: Any, scene: Scene) -> Sequence[str]:
         """The two channels that have what the joint carries."""
 
     @abstractmethod
-    def levers(self, one: Any) -> tuple[float, float]:
+    def levers(self, friction: Any) -> tuple[float, float]:
         """What both parts of the load are times those channels."""
 
     @abstractmethod
-    def radius(self, one: Any) -> float:
+    def radius(self, friction: Any) -> float:
         """What resists at a radius, m; 1 of a force."""
 
     @abstractmethod
-    def largest(self, of: Largest) -> Samples:
+    def largest(self, rates: Largest) -> Samples:
         """The largest of all rates of its kind."""
 
     @abstractmethod
-    def direct(self, one: Any, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:
+    def direct(self, friction: Any, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:
         """Fill in what a unit of it does on all bodies and the ground, shape (n, bodies + 1, 3); `slid` by slider."""
 
     @abstractmethod
-    def groove(self, one: Any, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:
+    def groove(self, friction: Any, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:
         """The line across a guide, by two places at a reach, m, and the point on it; none of a pin."""
 
 
@@ -56,28 +56,28 @@ class PymunkPin(PymunkContact):
 
     sides = False
 
-    def carried(self, one: PinFriction, scene: Scene) -> Sequence[str]:
+    def carried(self, friction: PinFriction, scene: Scene) -> Sequence[str]:
         """Both components of the force."""
-        return scene.channels.pins[one.joint(scene)]
+        return scene.channels.pins[friction.joint(scene)]
 
-    def levers(self, one: PinFriction) -> tuple[float, float]:  # noqa: ARG002
+    def levers(self, friction: PinFriction) -> tuple[float, float]:  # noqa: ARG002
         """Those components."""
         return 1, 1
 
-    def radius(self, one: PinFriction) -> float:
+    def radius(self, friction: PinFriction) -> float:
         """Its own."""
-        return one.radius
+        return friction.radius
 
-    def largest(self, of: Largest) -> Samples:
+    def largest(self, rates: Largest) -> Samples:
         """That of all bodies."""
-        return of.turning
+        return rates.turning
 
-    def direct(self, one: PinFriction, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:  # noqa: ARG002
+    def direct(self, friction: PinFriction, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:  # noqa: ARG002
         """Turn both bodies."""
-        first, second = one.joined(linkage.scene)
+        first, second = friction.joined(linkage.scene)
         d[:, linkage.index[second], 2], d[:, linkage.index[first], 2] = 1, -1
 
-    def groove(self, one: PinFriction, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:  # noqa: ARG002
+    def groove(self, friction: PinFriction, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:  # noqa: ARG002
         """None."""
         return ()
 
@@ -87,30 +87,32 @@ class PymunkGuide(PymunkContact):
 
     sides = True
 
-    def carried(self, one: GuideFriction, scene: Scene) -> Sequence[str]:
+    def carried(self, friction: GuideFriction, scene: Scene) -> Sequence[str]:
         """The normal force and the moment."""
-        return scene.channels.guides[one.slider]
+        return scene.channels.guides[friction.slider]
 
-    def levers(self, one: GuideFriction) -> tuple[float, float]:
+    def levers(self, friction: GuideFriction) -> tuple[float, float]:
         """N and 2 M / length."""
-        return 1, 2 / one.length
+        return 1, 2 / friction.length
 
-    def radius(self, one: GuideFriction) -> float:  # noqa: ARG002
+    def radius(self, friction: GuideFriction) -> float:  # noqa: ARG002
         """None."""
         return 1.0
 
-    def largest(self, of: Largest) -> Samples:
+    def largest(self, rates: Largest) -> Samples:
         """That of all points."""
-        return of.moving
+        return rates.moving
 
-    def direct(self, one: GuideFriction, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:
+    def direct(
+        self, friction: GuideFriction, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray"
+    ) -> None:
         """Push both bodies along the guide."""
-        d[:] = slid[:, [*linkage.slides].index(one.slider)]
+        d[:] = slid[:, [*linkage.slides].index(friction.slider)]
 
-    def groove(self, one: GuideFriction, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:
+    def groove(self, friction: GuideFriction, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:
         """Across the guide through the slider's first point."""
-        middle, across = linkage.through(one.slider), 2j * reach * complex(*linkage.slides[one.slider].along)
-        return middle - across, middle + across, linkage.first_arm(one.slider)
+        middle, across = linkage.through(friction.slider), 2j * reach * complex(*linkage.slides[friction.slider].along)
+        return middle - across, middle + across, linkage.first_arm(friction.slider)
 
 
 CONTACTS: Mapping[type[Friction], PymunkContact] = {PinFriction: PymunkPin(), GuideFriction: PymunkGuide()}

@@ -109,14 +109,14 @@ def _moment(load: Moment, _: str, now: Situation) -> Iterator[BodyForce]:
 
 def _spring(spring: Spring, _: str, now: Situation) -> Iterator[BodyForce]:
     """Yield the pulls; without a length, but with a free one, they have no direction and are not finite."""
-    at, index, (first, second) = now.at, now.linkage.index, spring.ends
+    instant, index, (first, second) = now.at, now.linkage.index, spring.ends
     r, s = now.arm(*first), now.arm(*second)
     i, j = index[first[0]], index[second[0]]
-    d = at.z[j] + s - at.z[i] - r
+    d = instant.z[j] + s - instant.z[i] - r
     relaxed = spring.length * d / np.abs(d) if spring.length else 0
     pull = spring.stiffness * (d - relaxed)
     if spring.damping is not None:
-        apart = at.velocity[j] + 1j * at.omega[j] * s - at.velocity[i] - 1j * at.omega[i] * r
+        apart = instant.velocity[j] + 1j * instant.omega[j] * s - instant.velocity[i] - 1j * instant.omega[i] * r
         pull = pull + spring.damping * (d.conjugate() * apart).real * d / np.abs(d) ** 2
     yield from pulled(spring, pull, r, s)
 
@@ -128,17 +128,17 @@ def pulled(pair: PointPair, pull: "PlaneVector", r: "PlaneVector", s: "PlaneVect
 
 
 def _torsion_spring(spring: TorsionSpring, place: str, now: Situation) -> Iterator[BodyForce]:
-    at, first, second = now.at, now.linkage.index[spring.first], now.linkage.index[spring.second]
-    phi = at.angle[second] - at.angle[first] + now.turns[place]
-    moment = spring.moment(phi, at.omega[second] - at.omega[first])
+    instant, first, second = now.at, now.linkage.index[spring.first], now.linkage.index[spring.second]
+    phi = instant.angle[second] - instant.angle[first] + now.turns[place]
+    moment = spring.moment(phi, instant.omega[second] - instant.omega[first])
     yield spring.first, 0j, -moment
     yield spring.second, 0j, moment
 
 
 def _constant_force_spring(spring: ConstantForceSpring, _: str, now: Situation) -> Iterator[BodyForce]:
-    at, index, (first, second) = now.at, now.linkage.index, spring.ends
+    instant, index, (first, second) = now.at, now.linkage.index, spring.ends
     r, s = now.arm(*first), now.arm(*second)
-    d = at.z[index[second[0]]] + s - at.z[index[first[0]]] - r
+    d = instant.z[index[second[0]]] + s - instant.z[index[first[0]]] - r
     yield from pulled(spring, spring.force * d / np.abs(d), r, s)
 
 

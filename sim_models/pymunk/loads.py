@@ -38,18 +38,18 @@ def instants(linkage: LinkageConstraints, time: Samples, q: PoseArray, v: PoseAr
     return Instant(time, position, z.T, turn.T, q[..., 2].T, velocity.T, v[..., 2].T)
 
 
-def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np.bool_]]) -> Iterator[BodyForce]:
+def forces(linkage: LinkageConstraints, instant: Instant, active: Iterable[NDArray[np.bool_]]) -> Iterator[BodyForce]:
     """Yield every force and moment; of press forces, `active` has whether they act."""
     scene = linkage.scene
-    now = Situation(linkage, at, dict(zip(scene.presses, active, strict=True)), whole_turns(linkage))
+    now = Situation(linkage, instant, dict(zip(scene.presses, active, strict=True)), whole_turns(linkage))
     for place, element in scene.elements:
         yield from RULES[type(element)](element, place, now)
 
 
-def applied(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np.bool_]]) -> PoseArray:
+def applied(linkage: LinkageConstraints, instant: Instant, active: Iterable[NDArray[np.bool_]]) -> PoseArray:
     """Sum up what acts on the bodies at n instants, shape (n, bodies, 3); `active` as in `forces`."""
-    total = np.zeros((len(at.time), len(linkage.members), 3))
-    for name, force, moment in forces(linkage, at, active):
+    total = np.zeros((len(instant.time), len(linkage.members), 3))
+    for name, force, moment in forces(linkage, instant, active):
         if name != GROUND:
             for axis, part in enumerate((force.real, force.imag, moment)):
                 total[:, linkage.index[name], axis] += part
@@ -69,13 +69,13 @@ def whole_turns(linkage: LinkageConstraints) -> Mapping[str, float]:
     return turns
 
 
-def active_presses(linkage: LinkageConstraints, at: Instant, ends: Sequence[float]) -> list[NDArray[np.bool_]]:
+def active_presses(linkage: LinkageConstraints, instant: Instant, ends: Sequence[float]) -> list[NDArray[np.bool_]]:
     """Tell of each press force whether it acts; `ends` are those of their closing strokes, m."""
     active = []
     for load, end in zip(linkage.scene.presses.values(), ends, strict=True):
         i, along = linkage.index[load.body], complex(*linkage.slides[load.body].along)
-        rate = (along.conjugate() * at.velocity[i]).real  # it does not turn
-        active.append(load.acts(linkage.displacement(load.body, at.z, at.turn), rate, end))
+        rate = (along.conjugate() * instant.velocity[i]).real  # it does not turn
+        active.append(load.acts(linkage.displacement(load.body, instant.z, instant.turn), rate, end))
     return active
 
 
@@ -90,12 +90,12 @@ class AppliedForces:
         scene = linkage.scene
         self._linkage, self._stroke_ends, self._dt = linkage, stroke_ends, dt
         involved = frozenset().union(*(element.bodies(scene) for _, element in scene.elements))
-        own = {name: body for name, body in bodies.items() if name in involved}
-        moved = {name: body for name, body in own.items() if not linkage.moved[name].prescribed}
+        members = {name: body for name, body in bodies.items() if name in involved}
+        moved = {name: body for name, body in members.items() if not linkage.moved[name].prescribed}
         constant = all(type(element) is Force for _, element in scene.elements)
         self._constant = [(body, *_constant(linkage, name, body)) for name, body in moved.items() if constant]
         self._varying = {} if constant else moved
-        self._involved = [] if constant else [(linkage.index[name], body) for name, body in own.items()]
+        self._involved = [] if constant else [(linkage.index[name], body) for name, body in members.items()]
         self._before = {i: (complex(*body.velocity), body.angular_velocity) for i, body in self._involved}
         self.active: list[NDArray[np.bool_]] = []
 
@@ -112,18 +112,18 @@ class AppliedForces:
         if not self._involved:
             return
         # Where they are not all constant, by rates extrapolated over half a step.
-        at = Instant(time, position, {ground: 0j}, {ground: 1 + 0j}, {ground: 0.0}, {ground: 0j}, {ground: 0.0})
+        instant = Instant(time, position, {ground: 0j}, {ground: 1 + 0j}, {ground: 0.0}, {ground: 0j}, {ground: 0.0})
         for i, body in self._involved:
             velocity, omega = complex(*body.velocity), body.angular_velocity
-            at.z[i] = complex(*body.position) + dt * velocity
-            at.angle[i] = body.angle + dt * omega
-            at.turn[i] = exp(1j * at.angle[i])
+            instant.z[i] = complex(*body.position) + dt * velocity
+            instant.angle[i] = body.angle + dt * omega
+            instant.turn[i] = exp(1j * instant.angle[i])
             before, omega_before = self._before[i]
-            at.velocity[i], at.omega[i] = 1.5 * velocity - 0.5 * before, 1.5 * omega - 0.5 * omega_before
+            instant.velocity[i], instant.omega[i] = 1.5 * velocity - 0.5 * before, 1.5 * omega - 0.5 * omega_before
             self._before[i] = velocity, omega
-        self.active = active_presses(self._linkage, at, self._stroke_ends)
+        self.active = active_presses(self._linkage, instant, self._stroke_ends)
         total = dict.fromkeys(self._varying, (0j, 0.0))
-        for name, force, moment in forces(self._linkage, at, self.active):
+        for name, force, moment in forces(self._linkage, instant, self.active):
             if name in total:
                 sum_, so_far = total[name]
                 total[name] = sum_ + force, so_far + moment

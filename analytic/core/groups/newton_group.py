@@ -14,9 +14,9 @@ from scenes.model.motion import Samples
 
 from .group_equations import FramePoses, GroupEquations, Placed, in_plane
 
-CLOSED = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
+CLOSED_TOL = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
 ROUGHLY = 1e-7  # of the group's size: the same near a singular pose, where roundings grow to their square root, 1e-8
-LONGEST = 0.1  # of the group's size: a rough sketch must not throw the bodies about
+MAX_MOVE = 0.1  # of the group's size: a rough sketch must not throw the bodies about
 ITERATIONS = 200  # from the sketch
 
 Correction: TypeAlias = Callable[[Samples], Samples]  # of coordinates (..., m): what Newton's method takes off them
@@ -35,7 +35,7 @@ def assemble(correction: Correction, q: Samples, size: float | Samples) -> Sampl
     for _ in range(ITERATIONS):
         move = correction(q)
         length = length_of(move, size)
-        shorter = q - move / np.maximum(1, length / (LONGEST * size))[..., None]
+        shorter = q - move / np.maximum(1, length / (MAX_MOVE * size))[..., None]
         q = np.where(apart[..., None], shorter, q)
         apart &= length >= ROUGHLY * size
         if not apart.any():
@@ -54,7 +54,7 @@ def refine(correction: Correction, q: Samples, size: float | Samples) -> tuple[S
         apart &= length < last / 2
         q = np.where(apart[..., None], q - move, q)
         last = np.where(apart, length, last)
-        apart &= last > CLOSED * size
+        apart &= last > CLOSED_TOL * size
     return q, last < ROUGHLY * size
 
 

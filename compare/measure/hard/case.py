@@ -36,7 +36,7 @@ from ...mechanics.round_off import Explained, explain
 from .digits import digits_lost
 
 PARTIAL = "hard.partial.jsonl"
-SAMPLES, FEW, ORACLE_SAMPLES = 360, 36, 72  # a cycle; few where there are many cycles
+SAMPLES, FEW_SAMPLES, ORACLE_SAMPLES = 360, 36, 72  # a cycle; few where there are many cycles
 
 
 class Outcome(StrEnum):
@@ -113,7 +113,7 @@ def examine(ladders: Mapping[str, Ladder], case: Case) -> list[Row]:
 
 def _examined(ladder: Ladder, case: Case, runs: Runs) -> list[Row]:
     rung = next(rung for rung in ladder.rungs if rung.label == case.rung)
-    samples = FEW if rung.turns > 1 else ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES
+    samples = FEW_SAMPLES if rung.turns > 1 else ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES
     sampling = Sampling(samples, rung.turns)
     try:
         scene = rung.scene()

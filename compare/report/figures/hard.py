@@ -22,7 +22,7 @@ TITLES: Mapping[str, tuple[str, str]] = {
     "drift": ("Stability: steps and cycles; error of positions in the last cycle", "cycles"),
 }
 SYMBOLS = dict(zip(Outcome, ("circle", "x-thin-open", "diamond-open", "star", "square-open"), strict=True))
-LEAST, FAILED = 1e-6, "#d0d0d0"  # error with the first colour of the scale; colour of a failure
+MIN_ERROR, FAILED_COLOUR = 1e-6, "#d0d0d0"  # error with the first colour of the scale; colour of a failure
 
 
 def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
@@ -54,9 +54,9 @@ def _cells(rows: pd.DataFrame) -> dict[str, Any]:
     for error, status in ((cell["error"], Status[str(cell["status"])]) for cell in cells):
         rounded = f"{error:.0e}".replace("e-0", "e-").replace("e+00", "")
         texts.append(LETTERS.get(status, rounded))
-        # Colours go with the logarithm of the error, from `LEAST` to 1; what is beyond has the colour of the end.
-        share = 1 - np.log10(min(max(error, LEAST), 1.0)) / np.log10(LEAST)
-        shades.append(graded(share) if status is Status.ok else FAILED)
+        # Colours go with the logarithm of the error, from `MIN_ERROR` to 1; what is beyond has the colour of the end.
+        share = 1 - np.log10(min(max(error, MIN_ERROR), 1.0)) / np.log10(MIN_ERROR)
+        shades.append(graded(share) if status is Status.ok else FAILED_COLOUR)
     place = {"x": pd.factorize(rows["label"])[0], "y": pd.factorize(rows["steps"], sort=True)[0]}
     texts_of_cells = {
         "text": texts,

@@ -20,7 +20,7 @@ MAX_LINES = 25
 STRIDE = 10  # samples of the cycle to a point of a line
 CURVES = {"displacement": "m", "x": "m", "y": "m", "velocity": "m/s", "acceleration": "m/s^2"}  # SI units by name
 OF_THE_DRIVE = {"torque": "N*m", "force": "N"}
-COLUMNS, BINS = 3, 60  # bins at most
+COLUMNS, MAX_BINS = 3, 60  # bins at most
 SPAN = 4.5  # standard deviations on either side of the drawing's number
 SHOWN = (STROKE, "largest force", *EFFORTS)  # kinds of numbers that a family is run for
 SHADES = 5  # colours before they are taken again, paler
@@ -91,7 +91,7 @@ def histograms(study: MonteCarlo) -> Figure:
         factor, unit = named.get(s.unit) or prefixed(abs(s.nominal), s.unit)
         # As many bins as the square root of the machines, a usual rule: each then holds about as many machines as there
         # are bins.
-        density, edges = np.histogram(factor * values, min(BINS, max(10, int(values.size**0.5))), density=True)
+        density, edges = np.histogram(factor * values, min(MAX_BINS, max(10, int(values.size**0.5))), density=True)
         steps = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
         draw(figure, "machines", *steps, number, line={"color": colour(0)}, fill="tozeroy")
         if s.linear > 0:

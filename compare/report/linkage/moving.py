@@ -25,7 +25,7 @@ from ..pages.html import packed
 from .drawing import Drawing, arrows
 from .svg import outlines, picture
 
-SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer, but for these
+MAX_SAMPLES, MIN_SAMPLES = 721, 73  # packed, at most; where there are many channels fewer, but for these
 MAX_NUMBERS = 100_000  # packed: all channels of all engines at all samples; in the page three bytes each
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
@@ -86,12 +86,12 @@ class MovingPicture:
     def rows(self) -> NDArray[np.intp]:
         """Which samples are packed: all, or some, with the extremes of every channel as far as there is room."""
         reference, *others = self._tables
-        count, most = reference.shape[1], max(MAX_NUMBERS // sum(map(len, self._tables)), LEAST)
-        if count <= min(SAMPLES, most):
+        count, most = reference.shape[1], max(MAX_NUMBERS // sum(map(len, self._tables)), MIN_SAMPLES)
+        if count <= min(MAX_SAMPLES, most):
             return np.arange(count)
         # Half of the samples are evenly spaced. The other half is where a channel is largest, engines' differences
         # first: a single sample with a large error must not fall between two samples of the picture.
-        evenly = np.linspace(0, count - 1, min(SAMPLES, most) // 2).round().astype(np.intp)
+        evenly = np.linspace(0, count - 1, min(MAX_SAMPLES, most) // 2).round().astype(np.intp)
         tables = [np.where(np.isfinite(t), np.abs(t), -1.0).argmax(axis=1) for t in (*others, reference)]
         return np.unique([*evenly, *[*dict.fromkeys(np.concatenate(tables).tolist())][: len(evenly)]])
 

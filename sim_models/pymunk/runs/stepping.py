@@ -25,7 +25,7 @@ from ..start import begun, move, rates
 # sweeps, of which the first step has more. Steps that correct little need more, but never more than a cycle: what takes
 # longer to decay outlasts the run as well. Where the linkage does not assemble that far back, fewer steps leave the
 # first acceleration less exact.
-PRE_ROLL, LEAST_PRE_ROLL = 5, 3
+PRE_ROLL, MIN_PRE_ROLL = 5, 3
 TEXTBOOK_PRE_ROLL = 1 / 8  # of a cycle before t = 0, in which the cached impulses, zero at first, settle
 MAX_STARTS = 32  # that are kept; the settings that every run measures have nine
 FIRST_SWEEPS = 10  # times those of a later step
@@ -223,11 +223,11 @@ class TextbookRun:
 def _before(scene: Scene, masses: Masses, dt: float, wanted: int) -> tuple[int, PoseArray]:
     """The number of steps before t = 0, as wanted or fewer, and the pose there; once a scene, masses and steps."""
     linkage, start = begun(scene, masses)
-    for steps in (wanted, LEAST_PRE_ROLL):
+    for steps in (wanted, MIN_PRE_ROLL):
         try:
             return steps, move(
                 linkage, start, linkage.drive.law.start, float(inputs_of(scene, -steps * dt).driven().position)
             )
         except Failure as failure:
             ended = failure
-    raise Failure(ended.status, f"pymunk starts {LEAST_PRE_ROLL} steps before zero, where {ended.reason}")
+    raise Failure(ended.status, f"pymunk starts {MIN_PRE_ROLL} steps before zero, where {ended.reason}")

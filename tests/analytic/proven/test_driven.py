@@ -11,7 +11,7 @@ from flint import arb, ctx
 from analytic.proven.boxes import driven
 from analytic.recorded.arithmetics.taylor_models import point
 from scenes.drive import MotionLaw
-from scenes.laws import LAWS, SAME_INSTANT, HarmonicLaw, SegmentedLaw
+from scenes.laws import LAWS, SAME_INSTANT_TOL, HarmonicLaw, SegmentedLaw
 from sim_models.multiprecision.drive import law_of
 from tests.comparisons import sampled
 
@@ -19,7 +19,7 @@ from .exact_values import BITS
 
 Law = MotionLaw | SegmentedLaw | HarmonicLaw
 INSTANTS, CYCLES = 12, 5  # of a law, and in the first of how many of its cycles they are
-HAIR = 4 * SAME_INSTANT  # of a cycle: so close to a boundary 50 digits take an instant as on it
+HAIR = 4 * SAME_INSTANT_TOL  # of a cycle: so close to a boundary 50 digits take an instant as on it
 
 
 def spline(chance: np.random.Generator) -> MotionLaw:

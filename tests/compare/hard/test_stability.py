@@ -15,7 +15,7 @@ from compare.engines.processes.stopping import Stopped
 from compare.engines.runner import HERE
 from compare.judge.floor import establish
 from compare.measure.hard import stability
-from compare.report.figures.hard import FAILED, LETTERS, stability_maps
+from compare.report.figures.hard import FAILED_COLOUR, LETTERS, stability_maps
 from compare.report.figures.offline import offline
 from scenes import Scene, Status
 from tests import scene_files
@@ -180,7 +180,7 @@ def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
         else:
             assert cells.text[place] == LETTERS[Status[cell["status"]]]
             assert cell["reason"].split()[0] in cells.customdata[place]
-    assert {shade for _, shade in seen[False]} == {FAILED}
+    assert {shade for _, shade in seen[False]} == {FAILED_COLOUR}
     green = [int(shade[3:5], 16) for _, shade in sorted(seen[True])]  # which only grows along the scale
     assert green == sorted(green)
     assert len({*green}) == len(green) > 1

@@ -13,7 +13,7 @@ import pytest
 from compare.report.figures import curves
 from compare.report.figures.figure import MAX_POINTS, extremes
 from compare.report.figures.speed import work_precision
-from compare.report.linkage.moving import SAMPLES, MovingPicture
+from compare.report.linkage.moving import MAX_SAMPLES, MovingPicture
 from compare.report.pages.html import MAX_ROWS, first, packed, shortened
 from compare.report.pages.report import page
 from compare.study import Study
@@ -88,7 +88,7 @@ def test_a_long_run_has_a_page_that_opens_and_shows_its_worst_sample(long_page: 
 def test_a_long_run_moves_through_some_samples_with_the_extremes(result: Study) -> None:
     long = longer(result)
     moving = MovingPicture(long, [*curves.panels(long.reference, long.sampling)])
-    assert len(moving.rows) <= SAMPLES
+    assert len(moving.rows) <= MAX_SAMPLES
     assert 11_111 in moving.rows
     assert np.abs(long.motion["P5.ay"]).argmax() in moving.rows
     assert moving.rows[[0, -1]].tolist() == [0, 14_400]
