@@ -5,24 +5,26 @@ Mass1D, and its joint with the ground is no constraint any more. All others are 
 follow from the equations of motion of the whole system, M a + C_q^T lambda = f, in the rows of the body.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
-from typing import Any
+from typing import Any, ClassVar
 from weakref import finalize
 
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.joints import DriveJoint, Guide, Joint, Pin
 from scenes.model.constraints import blocks
-from scenes.scene import GROUND, Slide
+from scenes.scene import GROUND
 
 from .drive import ExudynDrive
+from .joints import RULES, TURN, ExudynGuide, ExudynJoint, ExudynPin
 from .poses import PoseSolver
 from .settings import ExudynExtra, TextbookTimeStepping, TimeStepping
-from .system import TURN, Array, ExudynSystem, exudyn, items
+from .system import Array, ExudynSystem, exudyn, items
 
 
 class ReducedSystem(ExudynSystem):
@@ -83,8 +85,8 @@ class ReducedSystem(ExudynSystem):
         # integration solved for.
         needed = equations.forces(q, v, times) - equations.masses * a
         every: Array = np.linalg.solve(equations.jacobian(q).swapaxes(1, 2), needed[..., np.newaxis])[..., 0]
-        kept = [*(whole.pins[name] for name in self.pins), *(whole.slides[name] for name in self.slides), whole.drive]
-        every[:, [column for joint in kept for column in whole.columns(joint)]] = multipliers
+        kept = [column for joint in self.joints for column in whole.columns(whole.joints[joint])]
+        every[:, kept] = multipliers
         return every
 
     def _pivot(self, body: str) -> complex:
@@ -126,20 +128,39 @@ class ReducedSystem(ExudynSystem):
         return super().coordinate(body, 0 if body in self.reduced else number)
 
 
+class SpatialPin(ExudynPin):
+    """A pin in space."""
+
+    def add(self, joint: Pin, system: ExudynSystem) -> Any:
+        """Hold P2 - P1 at zero in x and y."""
+        markers = [system.at(body, joint.point) for body in joint.ends]
+        return system.mbs.AddObject(items.SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
+
+
+class SpatialGuide(ExudynGuide):
+    """A guide in space, of the ground alone."""
+
+    def on_body(self, joint: Guide, system: ExudynSystem) -> Any:  # noqa: ARG002
+        """Refuse."""
+        why = f"{joint.slider} slides on {joint.slide.on}, for which there is no joint in space here"
+        raise Failure(Status.unsupported, why)
+
+
 class SpatialSystem(ExudynSystem):
     """Rigid bodies with six coordinates, each held in the plane by itself, so that no joint of a loop is redundant."""
 
+    rules: ClassVar[Mapping[type[Joint], ExudynJoint]] = {**RULES, Pin: SpatialPin(), Guide: SpatialGuide()}
     node_size = 6
     in_plane = (0, 1, 5)
 
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
         super().__init__(scene, drive, si=si)
-        joints, bodies = (*self.pins.values(), *self.slides.values()), range(len(self.bodies))
+        bodies = range(len(self.bodies))
         self.coordinates = np.array([6 * number + column for number in bodies for column in self.in_plane])
         # A pin in space has three multipliers, of which the third, out of the plane, is switched off; a body's
         # coordinates in the plane are 0, 1 and 5 of six.
-        planar = [column for joint in joints for column in self.columns(joint)[:2]]
-        self.multipliers = np.array(planar + self.columns(self.drive))
+        planar = (self.columns(held)[: joint.equations] for joint, held in self.joints.items())
+        self.multipliers = np.array([column for columns in planar for column in columns])
 
     def narrowed(self, q: Array) -> Array:
         """All coordinates from x, y and angle of every body, or their rates."""
@@ -153,18 +174,12 @@ class SpatialSystem(ExudynSystem):
         inertia = [body.inertia, body.inertia, body.inertia, 0, 0, 0]  # but for the last axis without effect
         return self.mbs.AddObject(items.ObjectRigidBody(mass=body.mass, inertia=inertia, nodeNumber=node))
 
-    def _add_pin(self, point: str, first: str, second: str) -> Any:
-        """Hold P2 - P1 at zero in x and y."""
-        markers = [self.at(first, point), self.at(second, point)]
-        return self.mbs.AddObject(items.SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
-
-    def _add_slot(self, name: str, slide: Slide) -> Any:
-        raise Failure(Status.unsupported, f"{name} slides on {slide.on}, for which there is no joint in space here")
-
-    def _add_drive(self, drive: ExudynDrive) -> Any:
-        for name in self.bodies:
-            self._hold(name, np.eye(6)[2:5], [0.0, 0.0, 0.0])
-        return super()._add_drive(drive)
+    def add(self, joint: Joint) -> Any:
+        """Add a joint; before the first drive all bodies are held in the plane."""
+        first = next(joint for joint in self.scene.joints if isinstance(joint, DriveJoint))
+        for name in self.bodies if joint == first else ():
+            self.hold(name, np.eye(6)[2:5], [0.0, 0.0, 0.0])
+        return super().add(joint)
 
 
 def add_extras(system: ExudynSystem, options: TimeStepping, step: float, *, forces: bool) -> None:
@@ -197,7 +212,6 @@ def _sensors(system: ExudynSystem, *, forces: bool) -> Iterator[Callable[..., An
         place_of = {"bodyNumber": system.objects[body], "localPosition": [place.real, place.imag, 0]}
         yield from (partial(items.SensorBody, outputVariableType=kind, **place_of) for kind in measured)
     if forces:
-        slots = [joint for name, joint in system.slides.items() if scene.slides[name].on != GROUND]
-        for joint in (*system.pins.values(), system.drive, *system.slides.values()):
-            kind = kinds.ForceLocal if joint in slots else kinds.Force
-            yield partial(items.SensorObject, objectNumber=joint, outputVariableType=kind)
+        for joint, held in system.joints.items():
+            kind = system.rules[type(joint)].sensed(joint, kinds)
+            yield partial(items.SensorObject, objectNumber=held, outputVariableType=kind)

@@ -44,12 +44,6 @@ def forces(system: ExudynSystem, multipliers: Array) -> dict[str, Array]:
     # The system's joints are added in the order of the force channels, so that multipliers and channels correspond one
     # to one. A force of the first body on the later one is -lambda.
     every = dict(zip(scene.channels.names(Role.force), -system.force_unit * multipliers.T, strict=True))
-    for name, slide in scene.slides.items():
-        force, moment = scene.channels.guides[name]
-        if slide.on == GROUND:
-            # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f.
-            lever = system.lever(name).conjugate() * (1j * system.along(name))
-            every[moment] = every[moment] - (lever * every[force]).imag
-        else:
-            every[force] = -every[force]  # the joint's first marker is the slider's, and at its first point
+    for joint in scene.joints:
+        system.rules[type(joint)].read(joint, system, every)
     return every

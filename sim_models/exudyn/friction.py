@@ -22,8 +22,9 @@ from scenes.model.constraints import blocks
 
 from .channels import forces, kinematics
 from .contacts import CONTACTS
+from .joints import TURN
 from .poses import PoseSolver
-from .system import TURN, Array, ExudynSystem
+from .system import Array, ExudynSystem
 
 MAX_CONTRACTION = 0.95  # a bound on that of (1), below which it has one solution, which no step can miss
 MAX_CHANGE = 0.2  # of the largest force: so much do forces change in a step of the factor that is not proven

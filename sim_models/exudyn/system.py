@@ -1,25 +1,24 @@
 """A scene as an Exudyn system: rigid bodies, joints, the drive.
 
 Every moving body is a RigidBody2D whose node is its centre of mass, with the coordinates x, y (m) and the angle of its
-x axis (rad). A pin is a RevoluteJoint2D, a slide on a moving body a PrismaticJoint2D; a slide on the ground and the
-drive are constraints on coordinates. All hold at position level. What acts on the coordinates is -C_q^T lambda.
+x axis (rad). What joints and the drive do on the coordinates is -C_q^T lambda.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from importlib import import_module
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.scene import GROUND, Slide
+from scenes.joints import Guide, Joint, Pin
+from scenes.scene import GROUND
 
 from .bodies import force_unit, linkage_size, rigid_body
 from .drive import ExudynDrive
-
-TURN = 2  # of x, y and the angle
+from .joints import RULES, TURN, ExudynDriveJoint, ExudynJoint
 
 Array: TypeAlias = NDArray[np.float64]
 Chosen: TypeAlias = slice | NDArray[np.intp]
@@ -33,6 +32,7 @@ class ExudynSystem:
     """One scene as an assembled Exudyn system, at first without loads; a point of the plane is a complex number."""
 
     items = items
+    rules: ClassVar[Mapping[type[Joint], ExudynJoint]] = RULES
     node_size = 3  # coordinates of a body
     in_plane = (0, 1, 2)  # which of them are x, y and the angle
     coordinates: Chosen = slice(None)  # x, y and angle of every body in turn, among all coordinates
@@ -54,17 +54,7 @@ class ExudynSystem:
         self._ground = self.mbs.AddObject(items.ObjectGround())
         self.nodes: dict[str, Any] = {}
         self.objects = {name: self._add_body(name) for name in self.bodies}
-        self.pins = {
-            pin.channel: self._add_pin(pin.point, pin.first, pin.second)
-            for pin in scene.pins
-            if not (pin.first == GROUND and pin.second in self.reduced)
-        }
-        self.slides = {
-            name: self._add_guide(name, slide) if slide.on == GROUND else self._add_slot(name, slide)
-            for name, slide in scene.slides.items()
-            if not (slide.on == GROUND and name in self.reduced)
-        }
-        self.drive = self._add_drive(drive)
+        self.joints = {joint: self.add(joint) for joint in scene.joints if not self._in_coordinates(joint)}
         self.mbs.Assemble()
         self.settings: Any = exudyn.SimulationSettings()
         self.settings.solution.file.write = False  # else a folder of results appears in the working folder
@@ -102,10 +92,10 @@ class ExudynSystem:
 
     def driven(self, q: Array) -> Any:
         """The position of the drive, rad or m, from coordinates, shape (..., 3 bodies)."""
-        name = self.prescribed.body
-        if self.prescribed.slide is not None:
-            return self.displacement(name, q)
-        return self.pose_of(name, q)[1] - self.pose_of(self.prescribed.on, q)[1]
+        joint = self.scene.joints[-1]
+        rule = self.rules[type(joint)]
+        assert isinstance(rule, ExudynDriveJoint)
+        return rule.position(joint, self, q)
 
     def placed(self, body: str, place: complex) -> tuple[Any, list[float]]:
         """A body's object, and a place of it, or the ground's."""
@@ -142,6 +132,14 @@ class ExudynSystem:
         """The indices of a constraint's multipliers among all."""
         return list(self.state.GetObjectLTGAE(constraint))
 
+    def add(self, joint: Joint) -> Any:
+        """Add a joint or a drive, and return its object."""
+        return self.rules[type(joint)].add(joint, self)
+
+    def _in_coordinates(self, joint: Joint) -> bool:
+        first, second = joint.ends
+        return isinstance(joint, Pin | Guide) and first == GROUND and second in self.reduced
+
     def _add_body(self, name: str) -> Any:
         body = self.bodies[name]
         node = self.nodes[name] = self.mbs.AddNode(items.NodeRigidBody2D())
@@ -162,50 +160,9 @@ class ExudynSystem:
         value: float = mbs.GetMarkerOutput(marker, exudyn.OutputVariableType.Coordinates)[0]
         return value
 
-    def _add_pin(self, point: str, first: str, second: str) -> Any:
-        """Hold P2 - P1 at zero, for the point of each body."""
-        return self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=[self.at(first, point), self.at(second, point)]))
-
-    def _add_guide(self, name: str, slide: Slide) -> Any:
-        """Hold normal . (x, y) on the line of the ground's guide, and the angle at zero."""
-        normal = 1j * self.along(name)
-        com = complex(*slide.through) - self.lever(name)
-        rows = np.zeros((2, self.node_size))
-        rows[:, self.in_plane] = (normal.real, normal.imag, 0), (0, 0, 1)
-        return self._hold(name, rows, [(normal.conjugate() * com).real, 0.0])
-
-    def _hold(self, name: str, rows: Array, values: list[float]) -> Any:
+    def hold(self, name: str, rows: Array, values: list[float]) -> Any:
         """Hold linear combinations of a body's coordinates, shape (values, coordinates), at values."""
         nodes = (self._ground_node, self.nodes[name])
         markers = [self.mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
         held = items.CoordinateVectorConstraint(markerNumbers=markers, scalingMarker1=rows, offset=values)
-        return self.mbs.AddObject(held)
-
-    def _add_slot(self, name: str, slide: Slide) -> Any:
-        """Hold normal . (through - P) at zero, and the sine of the slider's angle less the carrier's.
-
-        The joint's normal belongs to its second marker's body, here the carrier, so that the force acts at the slider's
-        first point P.
-        """
-        along = self.along(name)
-        # Roles of the markers decide where the reaction acts: the first marker's point is held on a line of the second
-        # marker's body, and the force is at that point.
-        first = self.marker(name, self.lever(name), "Rigid")
-        second = self.marker(slide.on, self.through(name), "Rigid")
-        axes = {"axisMarker0": [along.real, along.imag, 0], "normalMarker1": [-along.imag, along.real, 0]}
-        return self.mbs.AddObject(items.PrismaticJoint2D(markerNumbers=[first, second], **axes))
-
-    def _add_drive(self, drive: ExudynDrive) -> Any:
-        """Hold the position, the angle of a crank or the displacement of a slider, less the drive's at zero."""
-        name, carrier = self.prescribed.body, self.prescribed.on
-        if self.prescribed.slide is None:
-            first, second = self.coordinate(carrier, TURN), self.coordinate(name, TURN)
-        else:
-            first, second = self.coordinate(GROUND, 0), self.gauge(name)
-        # The functions hold no reference to self: through it, they and the system would keep each other alive.
-        held = items.CoordinateConstraint(
-            markerNumbers=[first, second],
-            offsetUserFunction=lambda _mbs, clock, _item, _offset: drive.position(clock),
-            offsetUserFunction_t=lambda _mbs, clock, _item, _offset: drive.rate(clock),
-        )
         return self.mbs.AddObject(held)
