@@ -17,7 +17,7 @@ from scenes.drive import Driven, Samples
 from ..core.decomposition import decompose
 from ..core.groups.continuation import Track, comes_back
 from ..core.groups.group_equations import Group, sketched_coordinates, within_a_turn
-from ..core.groups.newton_group import ROUGHLY, assemble, length_of
+from ..core.groups.newton_group import SINGULAR_TOL, assemble, length_of
 from ..core.kinematics import followed
 from .arithmetics.in_numpy import NewtonsMethod, StraightLine
 from .expressions import Expression
@@ -98,8 +98,8 @@ def _poses(
     changed = length_of(np.diff(q - track.q, axis=1), size)
     # A machine's branch is accepted outwards from the sketch, pose by pose, as long as its distance to the drawn branch
     # changes little.
-    near = changed <= MAX_CHANGE * length_of(np.diff(track.q, axis=0), track.equations.size) + ROUGHLY * size
-    known = np.repeat(length_of(change, size) <= ROUGHLY * size, len(track.q), axis=1)
+    near = changed <= MAX_CHANGE * length_of(np.diff(track.q, axis=0), track.equations.size) + SINGULAR_TOL * size
+    known = np.repeat(length_of(change, size) <= SINGULAR_TOL * size, len(track.q), axis=1)
     known[:, row + 1 :] &= np.logical_and.accumulate(near[:, row:], axis=1)
     known[:, :row] &= np.logical_and.accumulate(near[:, :row][:, ::-1], axis=1)[:, ::-1]
     if track.position[-1] - track.position[0] > track.turn - track.step and comes_back(track.q):

@@ -19,7 +19,7 @@ from scenes.scene import ConstantSpeed
 
 from ..core.decomposition import Dyad, Linkage, guides_cross
 from ..core.groups.group_equations import Group
-from ..core.groups.newton_group import ROUGHLY, least_singular_value
+from ..core.groups.newton_group import SINGULAR_TOL, least_singular_value
 from ..core.placing import Kinematics
 from .motion_range import IN_LINE_TOL, extent_of, in_line, motion_at, motion_range
 
@@ -93,7 +93,8 @@ def look_closer(
     """Where groups are singular between two positions, where one is nearest to that, and which; None if it is not."""
     size = extent_of(scene)
     lost = {
-        g: ROUGHLY * linkage.tracks[g].equations.size if isinstance(g, Group) else MEETING_TOL * size for g in groups
+        g: SINGULAR_TOL * linkage.tracks[g].equations.size if isinstance(g, Group) else MEETING_TOL * size
+        for g in groups
     }
     for _ in range(ROUNDS):
         way = np.linspace(way[0], way[-1], POINTS)

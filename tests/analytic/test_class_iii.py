@@ -157,7 +157,7 @@ def test_on_a_part_of_such_a_branch(start: int, end: int) -> None:
 
 def test_a_linkage_that_needs_two_turns_is_refused(class_iii: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a turn that is said to end in another pose: the angle does not tell which pose it is."""
-    monkeypatch.setattr(continuation, "SAME", -1.0)
+    monkeypatch.setattr(continuation, "SAME_POSE_TOL", -1.0)
     why = "after one turn of the crank coupler, plate, upper, lower are in another"
     with pytest.raises(Failure, match=why) as caught:
         analytic.solve(class_iii, TURN)
@@ -174,7 +174,7 @@ def test_on_part_of_a_turn_the_angle_does_tell(
     drive = ConstantSpeed(1.0 if end > start else -1.0, *ends)
     position = drive.after(np.linspace(0, 1, 60))
     expected = solve(position)
-    monkeypatch.setattr(continuation, "SAME", -1.0)
+    monkeypatch.setattr(continuation, "SAME_POSE_TOL", -1.0)
     motion = analytic.solve(class_iii.with_law(drive), position)
     for channel in ("D.x", "plate.angle", "C.y"):
         assert np.abs(motion[channel] - expected[channel]).max() <= 1e-14, channel  # from other poses, roundings

@@ -71,7 +71,7 @@ def test_what_keeps_newton_on_its_branch(monkeypatch: pytest.MonkeyPatch, guard:
     prepared(scene, by_newton)(position)
     monkeypatch.setattr(continuation, "STRIDE", 1)  # so that steps meet the lock where it can be leapt over
     prepared(scene, by_newton)(position)
-    monkeypatch.setattr(continuation, "SMOOTH", 1e3)
+    monkeypatch.setattr(continuation, "PARABOLA_TOL", 1e3)
     if guard == "branch":
         monkeypatch.setattr(np.linalg, "slogdet", lambda J: (np.ones(len(J)), None))
     try:

@@ -109,7 +109,7 @@ def test_larger_groups_that_fail_spoil_no_other() -> None:
 
 def test_machines_that_need_two_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     """By a turn that is taken to end in another pose, as `test_class_iii` has it."""
-    monkeypatch.setattr(continuation, "SAME", -1.0)
+    monkeypatch.setattr(continuation, "SAME_POSE_TOL", -1.0)
     bar = scenes.numbers_in("class_iii", (SHORT,))[0]
     many = analytic.solve_many(scenes.load("class_iii"), {SHORT: [bar, 1.001 * bar]}, [1.0])
     assert all(status is Status.unsupported for status in many.status)

@@ -19,17 +19,17 @@ from scenes.model.motion import Samples
 
 from ..geometry import RigidBody
 from .group_equations import FramePoses, Group, GroupEquations, Placed, coordinates, equations_of, sketched_coordinates
-from .newton_group import ROUGHLY, assemble, correction, length_of, own_jacobian, rates, refine
+from .newton_group import SINGULAR_TOL, assemble, correction, length_of, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 STRIDE = 16  # steps: so far apart poses are at first
 ONE_STEP = 1.01  # steps: a step, and its roundings
-SMALLEST = 2.0**-20  # of a step: a singular configuration is found to that
-ASTRAY = 0.1  # of a move: a pose that is further off than that from where it was expected may be another branch's
-SMOOTH = 0.01  # of a move: how far off a parabola may be at the next pose, an eighth of it half way
+MIN_STEP = 2.0**-20  # of a step: a singular configuration is found to that
+MAX_MISS = 0.1  # of a move: a pose that is further off than that from where it was expected may be another branch's
+PARABOLA_TOL = 0.01  # of a move: how far off a parabola may be at the next pose, an eighth of it half way
 SAFE = 0.7  # of the stride that the last one's parabola allows
-FLAT = 0.1  # of what a parabola may be off: how much less is not relied on for the next stride
-SAME = 1e-6  # rad: two poses
+MIN_OFF = 0.1  # of what a parabola may be off: how much less is not relied on for the next stride
+SAME_POSE_TOL = 1e-6  # rad: two poses
 
 PlacedAt: TypeAlias = Callable[[Samples], Placed]  # position of the drive -> what the group hangs on, at rate one
 
@@ -59,7 +59,7 @@ class Track:
     def ahead(self, h: Samples) -> tuple[Samples, Samples]:
         """The same as `guess`, from each pose to the position that is h further, shape (N,)."""
         guess = self.q + h[:, None] * (self.dq + h[:, None] / 2 * self.ddq)
-        return guess, ASTRAY * length_of(guess - self.q, self.equations.size) + ROUGHLY * self.equations.size
+        return guess, MAX_MISS * length_of(guess - self.q, self.equations.size) + SINGULAR_TOL * self.equations.size
 
     def at(self, guess: Samples, allowed: Samples, placed: FramePoses) -> tuple[FramePoses, Samples]:
         """All frames near guesses, and their Jacobian, shape (n, m, 3 frames), NaN where there is no branch."""
@@ -99,7 +99,7 @@ class Track:
         h, size = (before.position - self.position)[:, None], self.equations.size
         move = length_of(self.q - before.q, size)
         off = length_of(self.q + h * (self.dq + h / 2 * self.ddq) - before.q, size)
-        return np.asarray(off / (SMOOTH * move + ROUGHLY * size))
+        return np.asarray(off / (PARABOLA_TOL * move + SINGULAR_TOL * size))
 
     def _within(self, difference: Samples, least: float) -> Samples:
         """Return the difference less the whole turns that leave it at `least` or up to a turn above."""
@@ -121,7 +121,7 @@ def follow(scene: Scene, drive: Drive, group: Group, bodies: Mapping[str, RigidB
     # Cases, in this order: the crank turns all round and comes back to the first pose; its branch spans less than a
     # turn; it spans more, as a group that returns after two turns does, and only the part about the drive's way is
     # used; else a Failure, as no one angle has one pose.
-    turns = forward.position[-1] - start >= turn - SMALLEST * step
+    turns = forward.position[-1] - start >= turn - MIN_STEP * step
     if turns and comes_back(forward.q):
         return forward
     both = _both(_march(first, placed, -turn), forward)
@@ -168,19 +168,19 @@ def _march(first: Track, placed: PlacedAt, way: float) -> Track:
 
 def _strides(first: Track, placed: PlacedAt, way: float, longest: float) -> Track:
     """Return the poses from the first onwards, a stride apart, shorter ones where Newton's method loses the branch."""
-    poses, smallest = [first], SMALLEST * first.step
+    poses, smallest = [first], MIN_STEP * first.step
     h = first.step
     while h >= smallest and (gone := abs(poses[-1].position[0] - first.position[0])) < abs(way) - smallest:
         h = min(h, abs(way) - gone)
         # Predictor by the parabola, corrector by Newton's method. The error of a parabola is of third order: the stride
-        # that keeps it within SMOOTH of the move follows from the last one's.
+        # that keeps it within PARABOLA_TOL of the move follows from the last one's.
         reached = poses[-1].moved(np.array([copysign(h, way)]), placed)
         off = float(reached.off_parabola(poses[-1])[0])
         if not off <= 1:
             h /= 2
         else:
             poses.append(reached)
-            h = min(h * SAFE / sqrt(max(off, FLAT)), longest)  # a parabola is off by h^3 of a move by h
+            h = min(h * SAFE / sqrt(max(off, MIN_OFF)), longest)  # a parabola is off by h^3 of a move by h
     return _joined(poses)
 
 
@@ -196,7 +196,7 @@ def _filled(track: Track, placed: PlacedAt) -> Track | None:
         if not wide.any():
             return track
         halved = np.flatnonzero(wide)
-        if np.abs(apart[halved]).min() < SMALLEST * track.step:
+        if np.abs(apart[halved]).min() < MIN_STEP * track.step:
             return None
         between = before.rows(halved).moved(apart[halved] / 2, placed)
         if np.isnan(between.q).any():
@@ -218,7 +218,7 @@ def misfit(scene: Scene, group: Group, equations: GroupEquations, q: Samples, pl
 def comes_back(q: Samples) -> NDArray[np.bool_]:
     """Whether the last of poses, shape (..., N, m), is the first one again but for whole turns, shape (...)."""
     last, first = (np.exp(1j * q[..., row, 2::3]) for row in (-1, 0))
-    return np.asarray(np.abs(last - first).max(axis=-1) <= SAME)
+    return np.asarray(np.abs(last - first).max(axis=-1) <= SAME_POSE_TOL)
 
 
 def _both(back: Track, forth: Track) -> Track:

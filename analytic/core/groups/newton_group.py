@@ -15,7 +15,7 @@ from scenes.model.motion import Samples
 from .group_equations import FramePoses, GroupEquations, Placed, in_plane
 
 CLOSED_TOL = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
-ROUGHLY = 1e-7  # of the group's size: the same near a singular pose, where roundings grow to their square root, 1e-8
+SINGULAR_TOL = 1e-7  # of the group's size: the same near a singular pose, where roundings become their root, 1e-8
 MAX_MOVE = 0.1  # of the group's size: a rough sketch must not throw the bodies about
 ITERATIONS = 200  # from the sketch
 
@@ -37,7 +37,7 @@ def assemble(correction: Correction, q: Samples, size: float | Samples) -> Sampl
         length = length_of(move, size)
         shorter = q - move / np.maximum(1, length / (MAX_MOVE * size))[..., None]
         q = np.where(apart[..., None], shorter, q)
-        apart &= length >= ROUGHLY * size
+        apart &= length >= SINGULAR_TOL * size
         if not apart.any():
             break
     return q
@@ -55,7 +55,7 @@ def refine(correction: Correction, q: Samples, size: float | Samples) -> tuple[S
         q = np.where(apart[..., None], q - move, q)
         last = np.where(apart, length, last)
         apart &= last > CLOSED_TOL * size
-    return q, last < ROUGHLY * size
+    return q, last < SINGULAR_TOL * size
 
 
 def correction(equations: GroupEquations, placed: FramePoses) -> Correction:
