@@ -115,6 +115,8 @@ class RubbingGuide(RubbingContact):
 
     def gradient(self, X: Any, size: Any) -> Any:  # noqa: ARG002
         """The direction of the larger part."""
+        # max(|x|, |y|) has no gradient where |x| = |y|: there the slider's end changes that carries all. Newton's
+        # method takes either side's.
         along, across = (chosen(part < 0, -1.0, 1.0) for part in (X.real, X.imag))
         return chosen(np.abs(X.real) < np.abs(X.imag), 1j * across, along)
 
@@ -125,6 +127,7 @@ class RubbingGuide(RubbingContact):
     def motion(self, friction: GuideFriction, balance: "FrictionBalance") -> tuple[Any, Any]:
         """The rate of the slider's first point along the guide, m/s."""
         k, first, (on, _) = balance.k, balance.scene.bodies[friction.slider].points[0], friction.joined(balance.scene)
+        # The velocity of the carrier's own point that is just under the slider's: what is left is sliding.
         carried = 0.0 if on == GROUND else k.v[k.foot[on]] + 1j * k.omega[on] * (k.z[first] - k.z[k.foot[on]])
         return dot(balance.guide(friction.slider)[0], k.v[first] - carried), balance.fastest[1]
 

@@ -78,6 +78,9 @@ class JudgedGuide(JudgedContact):
 
     def load(self, friction: GuideFriction, scene: Scene, forces: Mapping[str, Samples]) -> Samples:
         """What both ends of the contact carry."""
+        # The couple M is carried by a pair of forces M / length at both ends, of opposite signs; the normal force by
+        # halves. The sum of both sizes is max(|N|, 2 |M| / length), which the model that is judged may well use
+        # instead.
         normal, couple = (forces[name] for name in scene.channels.guides[friction.slider])
         return np.asarray(np.abs(normal / 2 - couple / friction.length) + np.abs(normal / 2 + couple / friction.length))
 

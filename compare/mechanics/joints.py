@@ -60,6 +60,9 @@ class JudgedPin(JudgedJoint):
 
     def equations(self, joint: Pin, _: Scene, arms: Arms) -> Iterator[Constraint]:
         """Yield that along x and that along y."""
+        # A `Constraint` is the place on its first body less that on its second, and its multiplier is a force on its
+        # first. A force channel is what the joint's first body does on its second one: so the joint's second body is
+        # the constraint's first.
         second, first = arms[joint.second][joint.point], arms[joint.first][joint.point]
         return (Constraint(joint.second, joint.first, second, first, axis) for axis in (1, 1j))
 
@@ -75,6 +78,8 @@ class JudgedGuide(JudgedJoint):
     def equations(self, joint: Guide, scene: Scene, _: Arms) -> Iterator[Constraint]:
         """Yield both."""
         slider, on = joint.slider, joint.slide.on
+        # The direction is that of the guide turned by +90 degrees in the frame of what has the guide, and turns with
+        # that.
         yield Constraint(slider, on, 0, _through(scene, joint.slide), 1j * complex(*joint.slide.along), on)
         yield _turned(slider, on)
 
@@ -103,6 +108,8 @@ class JudgedTurningDrive(JudgedJoint):
     def power(self, joint: TurningDrive, state: MotionVectors) -> Samples:
         """The torque by the rate of the body against that on which it stands."""
         drive = joint.drive
+        # Power of a torque between two bodies: only their rate on each other counts, since it acts on both with
+        # opposite signs.
         rate = state.turning(drive.body)[1] - state.turning(drive.on)[1]
         return np.asarray(state.motion[drive.effort_channel] * rate)
 

@@ -65,6 +65,8 @@ class CoordinateGuide(CoordinateJoint):
 
     def holds(self, joint: Guide, system: System, bodies: Bodies, multipliers: Sequence[float]) -> Iterator[Wrench]:
         """Yield the force across the guide and the moment, on both bodies."""
+        # Both forces act at the slider's first point, whatever body they are on: the guide's reaction on the carrier
+        # acts where the slider touches it, which is not a fixed point of the carrier.
         carrier, _, along, first = system.guides[joint.slider]
         force, moment = multipliers
         foot, across = bodies[joint.slider].place(first), 1j * bodies[carrier].turn * along * force

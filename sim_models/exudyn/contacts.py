@@ -73,6 +73,9 @@ class ExudynGuide(ExudynContact):
         """Push both bodies along the guide, at the slider's first point."""
         on, slider = friction.joined(system.scene)
         (com, angle), (_, turn) = system.pose_of(slider, q), system.pose_of(on, q)
+        # A column of B is what a unit of friction does in generalised forces: along the guide by x and y, and by the
+        # turning angle the moment of that force about the body's centre of mass, (arm x force). With it the virtual
+        # power of friction is the force times the rate of sliding.
         along = system.along(slider) * np.exp(1j * (turn + 0 * angle))
         first = com + system.lever(slider) * np.exp(1j * angle)
         for body, sign in ((on, -1), (slider, 1)):

@@ -96,6 +96,9 @@ class PinJoint(GroupJoint):
     @classmethod
     def among(cls, scene: Scene, bodies: Sequence[str], placed: frozenset[str]) -> Iterator[GroupJoint]:
         """Yield the pins, body after body."""
+        # A pin of n bodies has n - 1 joints, all with the same partner: the placed point where there is one, else the
+        # first body of the group that names the point. So no closed loop of joints at one point makes an equation
+        # superfluous.
         first: dict[str, str | None] = {}
         for body in bodies:
             for point in scene.bodies[body].points:
@@ -163,6 +166,8 @@ class GuideJoint(GroupJoint):
 
     def act(self, balance: "Balance", bodies: Sequence[str], *multipliers: Any) -> None:
         """Hold the slider by a force across the guide, and a moment."""
+        # The multiplier of an equation is the generalised force along what it measures: of the offset across the guide
+        # a force in that direction, of the angle a moment.
         balance.reactions.guide[self.body] = force, moment = multipliers
         balance.pass_on(self.frames[:2], bodies, force * (1j * _direction(balance, self)), moment)
 
