@@ -16,10 +16,11 @@ from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, solved
+from .constraints import LinkageConstraints, solved
 from .friction import with_friction
 from .loads import active_presses, applied, instants
 from .masses import held
+from .planes import ComplexArray, PlaneVector, PoseArray
 
 
 class Motions(NamedTuple):

@@ -8,21 +8,20 @@ Each pin, each guide and the drive is a constraint C(q) = 0 with the Jacobian J 
 coordinates, so det J can change its sign only in a singular configuration, where assembly branches meet.
 """
 
-from typing import Any, TypeAlias
+from itertools import groupby
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import Scene
+from scenes.joints import Guide
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .bodies import rigid
+from .joints import RULES, PymunkGuides
 from .masses import Masses
-
-PoseArray: TypeAlias = NDArray[np.float64]  # (n, bodies, 3), also of rates, accelerations, and the forces dual to them
-ComplexArray: TypeAlias = NDArray[np.complex128]
-PlaneVector: TypeAlias = Any  # a complex number, or an array of them of shape (n,)
+from .planes import ComplexArray, PoseArray, with_ground
 
 
 class LinkageConstraints:
@@ -39,25 +38,19 @@ class LinkageConstraints:
         self.members = {name: body.about(self.moved[name].origin) for name, body in rigids.items()}
         self.index = {name: number for number, name in enumerate([*scene.bodies, GROUND])}
         self.drive = drive = scene.drive
-        self.driven, self._base = self.index[drive.body], self.index[drive.on]
         self.gravity = complex(*(scene.gravity or (0.0, 0.0)))
 
-        ends = [(body, pin.point) for pin in scene.pins for body in (pin.first, pin.second)]
-        self._pinned = np.array([self.index[body] for body, _ in ends], np.intp).reshape(-1, 2)
-        self._pin_arms = np.array([self.arm(*end) for end in ends], np.complex128).reshape(-1, 2)
-        self.slides = slides = scene.slides
-        self._sliders = np.array([self.index[name] for name in slides], np.intp)
-        self._carriers = np.array([self.index[slide.on] for slide in slides.values()], np.intp)
-        self._slider_arms = np.array([self.first_arm(name) for name in slides], np.complex128)
-        self._through = np.array([self.through(name) for name in slides], np.complex128)
-        self._along = np.array([complex(*slide.along) for slide in slides.values()], np.complex128)
+        self.slides = scene.slides
+        through = [self.through(name) for name in self.slides]
         arms = [arm for body in self.members.values() for arm in body.points.values()]
-        places = [*arms, *self._through, *(complex(*point) for point in scene.ground.values())]
+        places = [*arms, *through, *(complex(*point) for point in scene.ground.values())]
         self.size = max(map(abs, places)) or self._way()
         if drive.slide is not None:  # a point on its guide so far back that the body's first never gets there
             drawn = drive.in_range(scene.sketch.drive)
             self.back = min(*drive.law.extent, drawn) - self.size  # its displacement, m
             self.back_end = self.through(drive.body) + self.back * complex(*drive.slide.along)
+        # Those of a type that follow each other together, in the order of the force channels; the drive is the last.
+        self._joints = [RULES[kind](self, [*joints]) for kind, joints in groupby(scene.joints, type)]
 
     def _way(self) -> float:
         """How large a linkage counts whose points are all at the origin: as its drive's way, m."""
@@ -85,86 +78,28 @@ class LinkageConstraints:
 
     def drive_position(self, q: PoseArray) -> Samples:
         """Where the driven body really is, shape (n,): rad of a crank, m of a slider."""
-        q = with_ground(q)
-        if self.drive.slide is None:
-            return q[:, self.driven, 2] - q[:, self._base, 2]
-        if self.drive.on == GROUND:
-            z, turn = planes(q)
-            return np.asarray(self.displacement(self.drive.body, z.T, turn.T))
-        return np.asarray(self.back + np.abs(self._bar(q)))
-
-    def _bar(self, q: PoseArray) -> ComplexArray:
-        """The vector from a point far back on the driven body's guide to its first point, shape (n,)."""
-        z, turn = planes(q)
-        first = z[:, self.driven] + self.first_arm(self.drive.body) * turn[:, self.driven]
-        return np.asarray(first - z[:, self._base] - self.back_end * turn[:, self._base])
+        return np.asarray(self._joints[-1].values(with_ground(q))[:, -1, 0])
 
     def gaps(self, q: PoseArray, position: Samples) -> Samples:
         """Return C(q), shape (n, 3 bodies), rows as channels of `Role.force`; `position` is the drive's.
 
         Two for each pin, x and y, m; two for each slider, off the line, m, and its angle, rad; the drive's, rad or m.
         """
-        drive = self.drive_position(q) - position
         q = with_ground(q)
-        z, turn = planes(q)
-        ends = z[:, self._pinned] + self._pin_arms * turn[:, self._pinned]
-        pins = ends[..., 1] - ends[..., 0]
-        from_carrier = z[:, self._sliders] + self._slider_arms * turn[:, self._sliders] - z[:, self._carriers]
-        offset = (
-            np.conj(self._along * turn[:, self._carriers]) * from_carrier - np.conj(self._along) * self._through
-        ).imag
-        angle = q[:, self._sliders, 2] - q[:, self._carriers, 2]
-        pairs = np.stack([pins.real, pins.imag], axis=-1), np.stack([offset, angle], axis=-1)
-        return np.concatenate([*(pair.reshape(len(q), -1) for pair in pairs), drive[:, None]], axis=1)
+        values = np.concatenate([joints.values(q).reshape(len(q), -1) for joints in self._joints], axis=1)
+        values[:, -1] -= position
+        return values
 
     def jacobian(self, q: PoseArray) -> Samples:
         """Return J = dC/dq, shape (n, 3 bodies, 3 bodies)."""
         q = with_ground(q)
         n, bodies, _ = q.shape
-        turn = planes(q)[1]
-
-        # Rows in the order of `gaps`: a complex gradient of each pin, whose real and imaginary parts are the rows of x
-        # and y; offset and angle of each guide; the drive. Columns are (x, y, theta) of every body and at last the
-        # ground, whose columns are cut off.
-        number = np.arange(len(self._pinned))
-        gradients = _point_gradients(self._pin_arms * turn[:, self._pinned])
-        pins = np.zeros((n, len(number), bodies, 3), dtype=np.complex128)
-        pins[:, number, self._pinned[:, 0]] -= gradients[:, :, 0]
-        pins[:, number, self._pinned[:, 1]] += gradients[:, :, 1]
-
-        number, slid = np.arange(len(self._sliders)), self.slide_gradients(q)
-        guides = np.zeros((n, len(number), 2, bodies, 3))
-        guides[:, :, 0] = slid.imag
-        guides[:, number, 1, self._sliders, 2] = 1
-        guides[:, number, 1, self._carriers, 2] = -1
-
-        drive = np.zeros((n, 1, bodies, 3))
-        if self.drive.slide is None:
-            drive[:, 0, self._base, 2] = -1
-            drive[:, 0, self.driven, 2] = 1
-        elif self.drive.on != GROUND:
-            # The gradient of a length is the unit vector along it, dotted with the gradients of both ends.
-            bar = self._bar(q)
-            back = np.conj(bar / np.abs(bar))[:, None]
-            first, end = self.first_arm(self.drive.body), self.back_end
-            drive[:, 0, self.driven] = (back * _point_gradients(first * turn[:, self.driven])).real
-            drive[:, 0, self._base] = -(back * _point_gradients(end * turn[:, self._base])).real
-        else:
-            drive[:, 0] = slid[:, [*self.slides].index(self.drive.body)].real
-
-        rows = [np.stack([pins.real, pins.imag], axis=2).reshape(n, -1, bodies, 3), guides.reshape(n, -1, bodies, 3)]
-        return np.concatenate([*rows, drive], axis=1)[:, :, :-1].reshape(n, 3 * (bodies - 1), -1)
+        rows = [joints.gradients(q).reshape(n, -1, bodies, 3) for joints in self._joints]
+        return np.concatenate(rows, axis=1)[:, :, :-1].reshape(n, 3 * (bodies - 1), -1)
 
     def slide_gradients(self, q: PoseArray) -> ComplexArray:
         """The gradients of displacements plus i offsets, (n, sliders, bodies, 3), the last body being the ground."""
-        z, turn = planes(q)
-        number, arms = np.arange(len(self._sliders)), self._slider_arms * turn[:, self._sliders]
-        from_carrier = z[:, self._sliders] + arms - z[:, self._carriers]
-        along = np.conj(self._along * turn[:, self._carriers])[..., None]
-        gradients = np.zeros((len(q), len(number), *q.shape[1:]), np.complex128)
-        gradients[:, number, self._sliders] = along * _point_gradients(arms)
-        gradients[:, number, self._carriers] = -along * _point_gradients(from_carrier)
-        return gradients
+        return PymunkGuides(self, [Guide(name, slide) for name, slide in self.slides.items()]).slid(q)
 
     def branch(self, q: PoseArray) -> Samples:
         """The sign of det J, shape (n,): constant along a branch."""
@@ -184,20 +119,3 @@ def solved(J: Samples, wanted: Samples) -> PoseArray:
 def determinant_sign(jacobian: Samples) -> Samples:
     """The sign of det J, shape (n,)."""
     return np.asarray(np.linalg.slogdet(jacobian).sign)
-
-
-def with_ground(q: PoseArray) -> PoseArray:
-    """Append the ground as a body that stays at zero."""
-    return np.concatenate([q, np.zeros((*q.shape[:-2], 1, 3))], axis=-2)
-
-
-def planes(q: PoseArray) -> tuple[ComplexArray, ComplexArray]:
-    """The places of the origins and exp(i theta), of the shape of q but its last axis."""
-    return q[..., 0] + 1j * q[..., 1], np.exp(1j * q[..., 2])
-
-
-def _point_gradients(r: ComplexArray) -> ComplexArray:
-    """Return d(z + r)/d(x, y, theta) of points at the arms r, shape (..., 3)."""
-    gradients = np.empty((*r.shape, 3), dtype=np.complex128)
-    gradients[..., 0], gradients[..., 1], gradients[..., 2] = 1, 1j, 1j * r
-    return gradients

@@ -11,7 +11,8 @@ from scenes.elements.friction import Friction, GuideFriction, PinFriction
 from scenes.model.motion import Samples
 
 if TYPE_CHECKING:  # which kinds there are rules for is asked without pymunk too
-    from .constraints import LinkageConstraints, PoseArray
+    from .constraints import LinkageConstraints
+    from .planes import PoseArray
 
 
 class Largest(NamedTuple):

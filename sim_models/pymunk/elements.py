@@ -25,7 +25,8 @@ from scenes.elements.loads import (
 from scenes.elements.springs import Damper, PointPair, Spring, TorsionSpring
 
 if TYPE_CHECKING:  # which kinds there are rules for is asked without pymunk too
-    from .constraints import LinkageConstraints, PlaneVector
+    from .constraints import LinkageConstraints
+    from .planes import PlaneVector
 
 Planes: TypeAlias = Any  # one number or array for each body and the ground
 # A body or the ground, the force, N, and the moment about its origin, N m.

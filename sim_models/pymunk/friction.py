@@ -20,8 +20,9 @@ from scenes.model.constraints import blocks
 from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
-from .constraints import LinkageConstraints, PoseArray, determinant_sign, solved, with_ground
+from .constraints import LinkageConstraints, determinant_sign, solved
 from .contacts import CONTACTS, Largest
+from .planes import PoseArray, with_ground
 from .start import closed
 
 MIN_STEP = 1e-7  # of the factor; what takes a smaller one jams

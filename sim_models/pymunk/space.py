@@ -19,7 +19,9 @@ from scenes import Failure, Status
 from scenes.scene import GROUND, ConstantSpeed
 
 from .bodies import pair
-from .constraints import LinkageConstraints, PoseArray, solved
+from .constraints import LinkageConstraints, solved
+from .joints import DRIVE, RULES
+from .planes import PoseArray
 from .settings import PymunkExtra
 
 MAX_AIMS = 6  # at most; each is off by a hundredth of the one before, by how far a step turns the bodies
@@ -46,12 +48,12 @@ class Model:
         self.space.add(*self.bodies.values())
         self.place(pose, rate)
         among = self.bodies | {GROUND: self.space.static_body}
-        self.joints = {**_pins(linkage, among), **_grooves(linkage, among)}
-        keeping = [(linkage.slides[name].on, name) for name in linkage.scene.turning if name in linkage.slides]
-        gears = [pymunk.GearJoint(among[carrier], among[slider], 0, 1) for carrier, slider in keeping]  # parallel
-        self.drive = _drive(linkage, among) if linkage.drive.on != GROUND else None
-        # The last is the drive's: solved after all others, it does not lag.
-        constraints = [*self.joints.values(), *gears, *([self.drive] if self.drive else [])]
+        scene = linkage.scene
+        held = [each for joint in scene.joints for each in RULES[type(joint)].in_space(joint, linkage, among)]
+        held.sort(key=lambda each: each.stage)
+        self.joints = {each.channel: each.joint for each in held if each.channel}
+        self.drive = next((each.joint for each in held if each.stage == DRIVE), None)
+        constraints = [each.joint for each in held]
         for constraint in constraints:
             constraint.error_bias = error_bias
         self.space.add(*constraints)
@@ -87,7 +89,7 @@ class Model:
             if abs(missed) > TARGET_TOL * linkage.size:
                 missed = float(linkage.drive_position(q + step + (aimed - position) * ratio)[0]) - position
                 aimed -= missed
-        assert self.drive is not None
+        assert isinstance(self.drive, pymunk.PinJoint)
         self.drive.distance = aimed - linkage.back
 
     def counters(self, steps: int, sweeps: int) -> dict[str, int]:
@@ -98,50 +100,11 @@ class Model:
         return {"steps": steps, "constraint_iterations": sweeps * counts["constraints"]} | counts
 
 
-def _drive(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.GearJoint | pymunk.PinJoint:
-    """The joint between what drives and what is driven."""
-    drive = linkage.drive
-    ends = bodies[drive.on], bodies[drive.body]
-    if drive.slide is None:
-        return pymunk.GearJoint(*ends, 0, 1)
-    return pymunk.PinJoint(*ends, pair(linkage.back_end), pair(linkage.first_arm(drive.body)))
-
-
 def _motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
     drive, law = linkage.drive, linkage.drive.law
     if not isinstance(law, ConstantSpeed) or drive.slide is not None or drive.on != GROUND:
         raise Failure(Status.unsupported, "pymunk has motors for cranks at a constant speed only")
     return pymunk.SimpleMotor(bodies[drive.body], bodies[GROUND], law.speed)
-
-
-def _pins(linkage: LinkageConstraints, bodies: Bodies) -> dict[str, pymunk.Constraint]:
-    """The pins; a kinematic crank needs none on the ground."""
-    pins: dict[str, pymunk.Constraint] = {}
-    for pin in linkage.scene.pins:
-        first, second = bodies[pin.first], bodies[pin.second]
-        if pymunk.Body.DYNAMIC in (first.body_type, second.body_type):
-            arms = (pair(linkage.arm(name, pin.point)) for name in (pin.first, pin.second))
-            pins[pin.channel] = pymunk.PivotJoint(first, second, *arms)
-    return pins
-
-
-def _grooves(linkage: LinkageConstraints, bodies: Bodies) -> dict[str, pymunk.Constraint]:
-    """The guides; a driven slider needs none.
-
-    The engine projects its 2 x 2 solution on the groove's normal, which is exact only if that is an axis of its mass
-    matrix: the groove runs through the carrier's centre of mass, and is met at the foot of the perpendicular from the
-    slider's. As both stay parallel, it may be any groove parallel to the true one.
-    """
-    # No two bodies get further apart than all of them in a row; the ends of a groove would be stops.
-    reach = 2 * (len(linkage.members) + 1) * linkage.size
-    grooves: dict[str, pymunk.Constraint] = {}
-    for name, slide in linkage.slides.items():
-        if bodies[name].body_type == pymunk.Body.DYNAMIC:
-            along = complex(*slide.along)
-            foot = 1j * along * (along.conjugate() * (linkage.first_arm(name) - linkage.through(name))).imag
-            places = (pair(place) for place in (-reach * along, reach * along, foot))
-            grooves[f"{name}.guide_force"] = pymunk.GrooveJoint(bodies[slide.on], bodies[name], *places)
-    return grooves
 
 
 def _update_velocity(body: pymunk.Body, gravity: tuple[float, float], damping: float, dt: float) -> None:

@@ -17,8 +17,9 @@ from scenes.model.constraints import joint_rows, misfit
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import ComplexArray, LinkageConstraints, PoseArray
+from .constraints import LinkageConstraints
 from .masses import Masses, fictitious_masses
+from .planes import ComplexArray, PoseArray
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
 MAX_PART = 1 / 72  # of the drive's range in one continuation step, or of a longer way to it

@@ -17,8 +17,10 @@ import numpy as np
 from scenes import Failure, Sampling, Scene, Status
 from scenes.model.motion import Samples
 
-from .constraints import LinkageConstraints, PoseArray
+from .constraints import LinkageConstraints
+from .joints import RULES
 from .masses import fictitious_masses, masses_of
+from .planes import PoseArray
 from .settings import PymunkSettings
 from .start import MAX_SCENES, begun, way
 
@@ -88,11 +90,8 @@ def _joints(linkage: LinkageConstraints, J: Samples) -> list[Samples]:
     groove whose normal is an axis of that block, as here, is a block of one. It is met where it does not turn its
     slider, at the foot of a perpendicular; that differs from its constraint by the angle's, which a gear keeps zero.
     """
-    scene = linkage.scene
-    pins, guides, drive = np.split(J, [2 * len(scene.pins), -1])
-    grooves, gears = [], []
-    for name, offset, angle in zip(scene.slides, guides[::2], guides[1::2], strict=True):
-        grooves.append((offset - offset[3 * linkage.index[name] + 2] * angle)[None])
-        if name in scene.turning:
-            gears.append(angle[None])
-    return [*pins.reshape(-1, 2, len(J)), *grooves, *gears, drive]
+    joints, first = list[tuple[int, Samples]](), 0
+    for joint in linkage.scene.joints:
+        joints += RULES[type(joint)].swept(joint, linkage, J[first : first + joint.equations])
+        first += joint.equations
+    return [rows for _, rows in sorted(joints, key=lambda swept: swept[0])]

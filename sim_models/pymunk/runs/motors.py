@@ -14,9 +14,10 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND, Friction
 
 from ..bodies import pair
-from ..constraints import LinkageConstraints, PoseArray
+from ..constraints import LinkageConstraints
 from ..contacts import CONTACTS
 from ..friction import directions
+from ..planes import PoseArray
 from ..space import Bodies
 from .stepping import FIRST_SWEEPS, Integration
 

@@ -15,10 +15,11 @@ from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
-from ..constraints import LinkageConstraints, PoseArray
+from ..constraints import LinkageConstraints
 from ..friction import with_friction
 from ..loads import applied, instants, stroke_ends
 from ..masses import between_bodies, fictitious_masses, masses_of, own_masses
+from ..planes import PoseArray
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
 from ..sweeps import enough_sweeps

@@ -13,9 +13,9 @@ from scenes.scene import ConstantSpeed, Force
 
 from ..bodies import pair
 from ..channels import Motions
-from ..constraints import PoseArray
 from ..loads import AppliedForces
 from ..masses import Masses, between_bodies, loaded, masses_of, own_masses
+from ..planes import PoseArray
 from ..settings import ERROR_BIAS, PymunkSettings, TextbookSettings
 from ..space import BatchRecorder, Model, PropertyRecorder
 from ..start import begun, move, rates
