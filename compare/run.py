@@ -9,7 +9,6 @@ with starting(__name__):
     from collections.abc import Sequence
     from contextlib import nullcontext
     from functools import partial
-    from importlib.metadata import version
     from pathlib import Path
     from typing import Any
 
@@ -46,6 +45,8 @@ def _do(name: str, words: Sequence[str]) -> int:
             for engine, entry in registry.ENTRIES.items():
                 print(f"engine  {engine:{width}}  {entry.purpose} ({entry.missing or entry.version})")
         case "version", _, _:
+            from importlib.metadata import version  # late: slow to import
+
             print(CONSOLE, version(CONSOLE))
         case "new", [path], []:
             print("wrote", " and ".join(map(str, write_starter(Path(path)))))

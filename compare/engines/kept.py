@@ -20,7 +20,6 @@ from errno import EEXIST
 from functools import cache
 from hashlib import sha256
 from importlib import import_module
-from importlib.metadata import version as version_of
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -30,6 +29,7 @@ import numpy as np
 from scenes import Settings
 
 from . import registry
+from .installed import version as version_of
 from .outside import StandIn, stand_in, standing
 
 PACKAGES = ("analytic", "compare", "scenes", "sim_models")

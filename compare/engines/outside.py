@@ -13,22 +13,25 @@ from contextlib import suppress
 from dataclasses import dataclass, fields, make_dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
-from importlib.metadata import Distribution, EntryPoint, PackageNotFoundError, distributions, version
 from importlib.util import find_spec
 from itertools import chain
 from multiprocessing import current_process
 from operator import attrgetter
 from types import SimpleNamespace
-from typing import Annotated, Any, ClassVar, NoReturn, TypeAlias, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, TypeAlias, get_type_hints
 
 from scenes import Engine, Settings, Status
 from scenes.errors import one_line
 from scenes.fields import ENGINE
 from scenes.model.engine import completed
 
+from .installed import may_offer, version
 from .processes.inside import PLAIN, Ended, Limits, packed
 from .processes.isolation import isolated
 from .reasons import described, text_of
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "linkage_crosscheck.engines"
 LIMITS = Limits(20.0)  # of an import
@@ -60,7 +63,7 @@ class Entry:
     @cached_property
     def version(self) -> str:
         """Return the installed version of what does the work, without importing it."""
-        with suppress(PackageNotFoundError):
+        with suppress(ImportError):  # of which one that is not found is a kind
             return self.outside or f"{self.distribution} {version(self.distribution)}"
         return "not installed"
 
@@ -69,6 +72,10 @@ class Entry:
 # files and options are; where several engines share a name all of them carry their distribution's.
 def entries(taken: Collection[str]) -> dict[str, Entry]:
     """Return the entries of all engines that installed distributions offer, by name; others have those `taken`."""
+    if not may_offer(GROUP):
+        return {}
+    from importlib.metadata import EntryPoint, distributions  # late, as few have any
+
     first: dict[str, tuple[EntryPoint, ...]] = {}  # of one that is found twice; of a broken one there is none
     for each in distributions():
         with suppress(Exception):  # of anybody's files: not UTF-8, or a line that is no entry point
@@ -79,7 +86,9 @@ def entries(taken: Collection[str]) -> dict[str, Entry]:
     return {name if count[name.lower()] == 1 else f"{name}@{entry.distribution}": entry for name, entry in known}
 
 
-def _entry(point: EntryPoint) -> Entry:
+def _entry(point: "EntryPoint") -> Entry:
+    from importlib.metadata import Distribution  # late, as above
+
     assert point.dist is not None
     known = {key: one_line(point.dist.metadata[key], 80) for key in point.dist.metadata}
     name, module = known.get("Name", "a nameless distribution"), point.value.strip()

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import cache, partial
-from importlib.resources import files
 from os import PathLike
 from os.path import isfile
 from pathlib import Path
@@ -33,7 +32,8 @@ from .format import SceneFile, TolerancesTable
 from .toml import copied, read_toml
 from .units import si_units, unit_named
 
-LIBRARY = Path(str(files("scenes"))) / "library"
+SCENES = Path(__file__).parents[1]
+LIBRARY = SCENES / "library"
 SCHEMA = "scene.schema.json"
 
 
@@ -230,7 +230,7 @@ def write_starter(path: Path) -> list[Path]:
     if name in shipped():
         raise InputError(f"{place}: '{name}' is a scene that ships, which its name stands for; expected another name")
     scene, schema = (path.with_name(file) for file in (f"{name}.toml", SCHEMA))
-    starter = (files("scenes") / "starter.toml").read_text(encoding="utf-8").replace('"NAME"', f'"{name}"')
+    starter = (SCENES / "starter.toml").read_text(encoding="utf-8").replace('"NAME"', f'"{name}"')
     contents = {scene: starter.encode(), schema: json.dumps(SceneFile.model_json_schema(), indent=1).encode() + b"\n"}
     try:
         # Both files or none. "xb" creates a file only where there is none, in one step, so that no other process's file

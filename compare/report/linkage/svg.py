@@ -6,9 +6,9 @@ scales along its x alone, as a guide, is so across (class `across`).
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from itertools import pairwise
 from math import atan2, degrees
+from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 from zlib import crc32
@@ -117,7 +117,7 @@ def empty(label: str, size: tuple[float, float]) -> Element:
 
 def text(name: str) -> str:
     """A file that lies beside this one."""
-    return files("compare.report.linkage").joinpath(name).read_text(encoding="utf-8")
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
 def background(root: Element, drawing: Drawing) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache
 from gzip import compress
-from importlib.metadata import distribution
+from importlib.util import find_spec
 from json import dumps
 from pathlib import Path
 from typing import Any
@@ -68,7 +68,8 @@ def _versions(engines: Mapping[str, str]) -> list[dict[str, str]]:
 @cache
 def _library() -> str:
     """What draws the figures, without an import of its package, which needs a notebook's."""
-    return packed(Path(str(distribution("uplot-python").locate_file("uplot/static/uPlot.iife.js"))).read_bytes())
+    (folder,) = getattr(find_spec("uplot"), "submodule_search_locations", None) or ("",)
+    return packed((Path(folder) / "static" / "uPlot.iife.js").read_bytes())
 
 
 def packed(data: bytes) -> str:
