@@ -139,7 +139,8 @@ class Solver:
         samples = self._by_line(driven, time) if by_line else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
             samples = self._by_formulas(driven, time)
-        samples |= {"time": time, self.scene.drive_channel: position}
+        drives = enumerate(self.scene.channels.names(Role.input))
+        samples |= {"time": time, **{name: inputs.driven(drive).position for drive, name in drives}}
         wanted = *self.known, *self.own
         if not self.later:
             return Motion({channel: samples[channel] for channel in wanted})

@@ -246,16 +246,6 @@ class Scene(_Loaded):
         """The table of its channels."""
         return Channels(self)
 
-    @property
-    def drive_channel(self) -> str:
-        """The channel of the drive's position."""
-        return self.drive.channel
-
-    @property
-    def effort_channel(self) -> str:
-        """The channel of what the drive does."""
-        return self.drive.effort_channel
-
     def unit_of(self, channel: str) -> tuple[str, float]:
         """The unit of a channel or magnitude in the file, and its size in SI: of velocities its length a second."""
         si = self.channels[channel].unit

@@ -200,7 +200,7 @@ class Absolute:
     def channels(self, now: Instant) -> dict[str, float]:
         """Return every channel but the time."""
         scene, motion = self.scene, (now.Q, now.dQ, now.ddQ)
-        found = {scene.drive_channel: now.position}
+        found = {scene.channels.drive.position: now.position}
         for point in scene.moving_points:
             matrix = self.point(scene.owners[point][0], point)
             for prefix, of in zip(("", "v", "a"), motion, strict=True):

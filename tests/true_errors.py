@@ -230,7 +230,7 @@ class Truth:
 
     def _errors(self, motion: Channels, true: Channels) -> Iterator[tuple[str, Samples]]:
         scene, (travel, w) = self.scene, self._drive
-        yield DRIVE, np.abs(motion[scene.drive_channel] - true[scene.drive_channel]) / travel
+        yield DRIVE, np.abs(motion[scene.channels.drive.position] - true[scene.channels.drive.position]) / travel
         for point in scene.moving_points:
             z, there = (_vector(of, f"{point}.") for of in (motion, true))
             own = self._travels[point]

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Failure, InputError, Motion, Scene, Status
+from scenes.channels import Role
 from scenes.model.inputs import Inputs
 from scenes.model.lookup import Rows
 from scenes.model.motion import Samples
@@ -130,7 +131,7 @@ class FastSolver(Solver):
     def _places(self) -> Mapping[str, int]:
         """By channel wanted its place among the line's rows, which the time and the position follow."""
         assert self.at_hand is not None
-        rows = [*self.at_hand[0].channels, "reach", "time", self.scene.drive_channel]
+        rows = [*self.at_hand[0].channels, "reach", *self.scene.channels.names(Role.time, Role.input)]
         return {channel: rows.index(channel) for channel in (*self.known, *self.own)}
 
     def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:

@@ -204,7 +204,7 @@ class ManySolver:
                 unknown = {name: channels[name][row] for name in (by_core if fine[row] else channels)}
                 if ending := self._alone(machine, places, when, unknown, followed=bool(fine[row])):
                     failed.setdefault(machine, ending)
-        given = {"time": instants, self.scene.drive_channel: position}
+        given = {"time": instants, self.scene.channels.drive.position: position}
         channels |= {name: np.broadcast_to(values, shape) for name, values in given.items()}
         return {name: channels[name] for name in self.program.names if name in channels}
 

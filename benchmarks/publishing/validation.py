@@ -91,7 +91,7 @@ def agreement(file: Path, values: pd.DataFrame, folder: Path) -> Agreement:
 def judged(reference: Reference, values: pd.DataFrame, way: str, file: Path) -> tuple[Measurement, float]:
     """Return how numbers are judged as a result, and the largest ratio of an error and its tolerance."""
     scene = reference.scene
-    drive = "time" if way == "time" else scene.drive_channel
+    drive = "time" if way == "time" else scene.channels.drive.position
     # Texts stay texts on the way into the CSV file, so that the result is read with the digits of its source; only the
     # order is by number.
     rows = values.sort_values(way, key=lambda texts: texts.astype(float))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from scenes import Motion, Sampling, Scene, Status
+from scenes.channels import Role
 
 from ..engines.registry import TIERS, tiers
 from ..engines.runner import complete, run
@@ -36,7 +37,7 @@ def test_every_channel_is_there_or_has_a_reason(name: str, scene: Scene) -> None
     """The channels asked for and no others: each has samples, or is unsupported for a reason."""
     motion = motion_of(name, scene)
     assert given(motion, scene) == {*SAMPLING.wanted(scene)}
-    assert {"time", scene.drive_channel} <= {*motion.samples}
+    assert {*scene.channels.names(Role.time, Role.input)} <= {*motion.samples}
     assert not motion.samples.keys() & motion.unsupported.keys()
     assert all(motion.unsupported.values())
 

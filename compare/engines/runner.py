@@ -234,7 +234,7 @@ def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
 
 def _usable(motion: Motion | None, scene: Scene, request: Rows) -> Motion | None:
     """Return a motion with time and drive that is all numbers, as many as asked for, or None."""
-    if motion is None or "time" not in motion or scene.drive_channel not in motion:
+    if motion is None or not all(name in motion for name in scene.channels.names(Role.time, Role.input)):
         return None
     whole = all(values.dtype == np.float64 and values.shape == (request.count,) for values in motion.samples.values())
     return motion if whole and (np.abs([*motion.samples.values()]) <= MAX_NUMBER).all() else None

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion, Sampling, Scene, Status
+from scenes.channels import Role
 from scenes.model.enclosures import Enclosures
 from scenes.model.motion import FEWEST
 
@@ -202,7 +203,8 @@ class Judgement:
             return Agreement(Word.in_part if certified else Word.not_solved, f"{alone}; {_certified(self)}.")
         sentences = [f"{_confirmed(self, confirming)}; {_certified(self)}."]
         whole = [m for m in confirming if _whole_cycle(self.scene, m)]
-        given = {"time", self.scene.drive_channel}.union(*(m.run.motion.samples for m in whole if m.run.motion))
+        inputs = self.scene.channels.names(Role.time, Role.input)
+        given = {*inputs}.union(*(m.run.motion.samples for m in whole if m.run.motion))
         unchecked = [channel for channel in self.sampling.wanted(self.scene) if channel not in given]
         if unchecked:
             where = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)

@@ -97,7 +97,7 @@ def checks(
     worst = []
     for (check, subject, relative_to), violation in violations.items():
         row = int(violation.argmax())
-        where = scene.where(float(motion[scene.drive_channel][row]))
+        where = scene.where(float(motion[scene.channels.drive.position][row]))
         worst.append(Check(check, subject, float(violation[row]), float(places[row]), where, relative_to))
     return worst
 

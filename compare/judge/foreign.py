@@ -40,7 +40,7 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
     """The judgement of a result, at its own instants, in the channels that it has; by a reference in doubt too."""
     request, run, halves = result.request, result.run, result.half_decimals
     reference = with_derived(reference, request.channels or ())
-    drive = reference.scene.drive_channel
+    drive = reference.scene.channels.drive.position
     if run.motion is not None and drive in halves:
         placed = _in_place(reference.mechanics, run.motion[drive], request.times(reference.scene), halves[drive])
         run = replace(run, motion=Motion({**run.motion.samples, drive: placed}))
@@ -120,7 +120,7 @@ def _excused(
     """What checks find in a result's own motion; nothing where they find it in the reference's as it may be written."""
     draw, complete = np.random.default_rng(SEED), given.samples.keys() >= reference.mechanics.units.keys()
     way = np.abs(inputs_of(reference.scene, true["time"]).driven().rate) * halves["time"]  # of the drive meanwhile
-    halves = {**halves, reference.scene.drive_channel: way}
+    halves = {**halves, reference.scene.channels.drive.position: way}
     # The reference written as the result is: random errors within the half decimals. What a check finds in that, times
     # a factor for chance, is what decimals excuse in the result.
     rounded = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in given.samples}

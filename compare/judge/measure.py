@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
+from scenes.channels import Role
 
 from ..engines.registry import REFERENCE, tiers
 from ..engines.runner import HERE, Run, Runs, complete
@@ -95,7 +96,7 @@ def assess(
         return Measurement(verdict, None, checked, asked=sampling)
     table = [*error_table(outcome.engine, comparison, reference, explained)]
     unexplained = explained.left_over(comparison.commanded)
-    doubt, given = reference.floor.doubt, {"time", scene.drive_channel}
+    doubt, given = reference.floor.doubt, {*scene.channels.names(Role.time, Role.input)}
     if verdict.status is Status.ok and outcome.motion.samples.keys() <= given < {*sampling.wanted(scene)}:
         reason = "it gives nothing but the time and the drive's position, so that there is nothing to compare"
         verdict = replace(verdict, status=Status.unsupported, reason=reason, found_by="checks")

@@ -146,11 +146,12 @@ def near_singular(reference: Reference, failed: Measurement) -> str:
     joint = min(least, key=lambda name: least[name])
     if not least[joint] <= SINGULAR_TOL * reference.mechanics.size:
         return ""
-    position = reference.cycle[scene.drive_channel]
+    position = reference.cycle[scene.channels.drive.position]
     there = float(position[int(np.nanargmin(locks[joint]))])
     errors = np.max([*failed.comparison.actual.values()], axis=0)
     first = float(failed.comparison.position[int((~(errors <= ASTRAY_TOL * np.nanmax(errors))).argmax())])
-    distance = first - there if scene.drive_channel != "crank_angle" else remainder(first - there, tau)
+    (drive,) = scene.drives
+    distance = first - there if drive.slide is not None else remainder(first - there, tau)
     if not abs(distance) <= WINDOW * float(np.ptp(position)):
         return ""
     how = "takes another assembly from there" if failed.run.status is Status.wrong_branch else "is off from there"

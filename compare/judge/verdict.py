@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Scene, Settings, Status
+from scenes.channels import Role
 from scenes.model.motion import Samples
 
 from ..engines.runner import Run
@@ -88,7 +89,8 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
             first = scene.where(float(comparison.position[(~(far <= BRANCH_TOL)).argmax()]))
             reason = f"{point} is {share(far.max())} of its travel away from the reference, first at {first}"
             return replace(run, status=Status.wrong_branch, reason=reason, found_by="reference")
-    worst = {channel: float(error.max()) for channel, error in unexplained.items() if channel != scene.drive_channel}
+    inputs = scene.channels.names(Role.input)
+    worst = {channel: float(error.max()) for channel, error in unexplained.items() if channel not in inputs}
     channel = max(worst, key=lambda name: np.inf if np.isnan(worst[name]) else worst[name], default="")
     promise = (run.settings or Settings("")).promise
     if channel and not worst[channel] <= promise:

@@ -45,7 +45,7 @@ def axis(scene: Scene) -> DriveAxis:
         return DriveAxis("time", unit, "time", factor, _decimals(factor * scene.cycle))
     unit, size = ("deg", pi / 180) if scene.drive.slide is None else scene.units["length"]
     span = scene.drive.span
-    return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size, _decimals(span / size))
+    return DriveAxis(position_name(scene), unit, scene.channels.drive.position, 1 / size, _decimals(span / size))
 
 
 def _decimals(span: float) -> int:

@@ -88,7 +88,8 @@ class Constraints:
         branch = self._branch(J)
         # One Newton step takes a gap g to about kappa g^2: an engine's gaps of 1e-6 become round-off, larger ones
         # remain as errors. A pose in which J is singular stays as it is.
-        step = self._solve(J, self.gaps(q, motion[self.scene.drive_channel])[..., np.newaxis]).reshape(q.shape)
+        gaps = self.gaps(q, motion[self.scene.channels.drive.position])
+        step = self._solve(J, gaps[..., np.newaxis]).reshape(q.shape)
         q = q - np.where(np.isfinite(step), step, 0.0)
         J = self.jacobian(q)
         inverse = self._solve(J, np.broadcast_to(np.eye(len(self.units)), J.shape))

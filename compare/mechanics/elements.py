@@ -160,7 +160,7 @@ def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring) -> Iterator[
 
 def twist(state: MotionVectors, spring: TorsionSpring) -> Samples:
     """The angle of a torsion spring, rad, shape (n,), on over whole turns: these count, and no pose shows them."""
-    scene, position = state.scene, state.motion[state.scene.drive_channel]
+    scene, position = state.scene, state.motion[state.scene.channels.drive.position]
     within = state.angle(spring.second) - state.angle(spring.first)
     if sign := spring.drives(scene):
         near = sign * position
@@ -241,7 +241,7 @@ def argument(state: MotionVectors, body: str, table: LoadCurve) -> Samples:
     """What a table on a body is over: the drive's position, the time, or the displacement on the guide."""
     if table.over == "displacement":
         return state.on_guide(state.scene.bodies[body]).real
-    return state.motion["time" if table.over == "time" else state.scene.drive_channel]
+    return state.motion["time" if table.over == "time" else state.scene.channels.drive.position]
 
 
 def inertial(state: MotionVectors) -> Iterator[Push]:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion
+from scenes.channels import Role
 from scenes.model.motion import Samples
 
 from .constraints import ClosedPoses, Matrices, planes
@@ -43,7 +44,7 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
     parts = []
     for block in mechanics.constraints.blocks(motion):
         poses = mechanics.constraints.closed(block)
-        given = ("time", mechanics.scene.drive_channel, *(c for c in mechanics.friction if c in block))
+        given = (*mechanics.scene.channels.names(Role.time, Role.input), *(c for c in mechanics.friction if c in block))
         closed = {c: block[c] for c in given} | _kinematics(mechanics, poses)
         loaded = mechanics.forces and {*mechanics.friction} <= closed.keys()
         acting, fitting = _loads(mechanics, block, Motion(closed), poses.inverse, ends) if loaded else ({}, {})

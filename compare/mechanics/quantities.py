@@ -43,7 +43,7 @@ def units(reference: Reference) -> Units:
         row = reference.scene.channels[channel]
         unit = row.unit
         sizes.append((unit, float(magnitude(cycle, row).max()) if unit in RATES and channel in cycle else size))
-    if (effort := reference.scene.effort_channel) in cycle:
+    if (effort := reference.scene.channels.drive.effort) in cycle:
         power = np.abs(cycle[effort] * inputs_of(scene, cycle["time"]).driven().rate)
         sizes += [("W", float(power.max())), ("J", float(power.mean()) * scene.cycle)]
     return suited(reference.scene.units, sizes)

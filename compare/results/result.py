@@ -131,7 +131,7 @@ def _mapped(scene: Scene, name: str, files: Sequence[Path], table: Table, mappin
         columns = {c: _backwards(scene.channels[c], values) for c, values in columns.items()}
         halves = {c: values[::-1] for c, values in halves.items()}
         numbers = numbers[::-1]
-    drive_channel = scene.drive_channel
+    drive_channel = scene.channels.drive.position
     with_drive = drive_channel in columns
     notes = [f"{name}: {left_out}"] * bool(left_out)
     if "time" in columns and rows > 2 and columns["time"][-1] == columns["time"][-2]:  # as some write the end twice
@@ -241,7 +241,7 @@ def _on_time(scene: Scene, columns: Columns, halves: Columns, rows: NDArray[np.i
 
     `rows` are the numbers of the rows in the file; where one is left out, a step is over two of them.
     """
-    law, drive_channel = scene.drive.law, scene.drive_channel
+    law, drive_channel = scene.drive.law, scene.channels.drive.position
     if "time" not in columns:
         if not isinstance(law, ConstantSpeed):
             raise InputError("columns.time: missing; the drive follows a motion law")

@@ -49,7 +49,7 @@ def test_velocities_and_accelerations_follow_by_the_chain_rule(name: str) -> Non
             (found[second], unit[channel] * ddq + unit[second] * dq**2),
         ):
             assert np.abs(value - expected).max() <= ROUNDED * max(float(np.abs(expected).max()), 1e-9), channel
-    assert (found[scene.drive.channel] == q).all()
+    assert (found[scene.channels.drive.position] == q).all()
     assert (found["time"] == np.linspace(7, 9, len(q))).all()
 
 

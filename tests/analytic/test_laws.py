@@ -57,7 +57,7 @@ def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.D
     asked = data.draw(st.frozensets(st.sampled_from(known), min_size=1, max_size=3))
     time = instants(scene)
     part = analytic.solve(scene, scene.drive.law.at(time).position, time, asked)
-    assert set(part.samples) == asked | {"time", scene.drive_channel}
+    assert set(part.samples) == asked | {"time", scene.channels.drive.position}
     for channel in part.samples:
         assert np.array_equal(part[channel], whole[channel]), channel
 
@@ -87,7 +87,7 @@ def test_closed_form_and_newton_agree(scene: Scene, first: int) -> None:
 def test_against_50_digits(scene: Scene) -> None:
     """Newton from the sketch, then multipliers: another formulation with 50 digits agrees in every channel."""
     true = exact(scene, Sampling(24))
-    motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
+    motion = analytic.solve(scene, true[scene.channels.drive.position], true["time"])
     # By the peaks of all forces: a joint that hardly carries anything still has the roundings of those beside it.
     assert_agree(scene, motion, {channel: true[channel] for channel in scene.channels.names()})
 
@@ -97,7 +97,7 @@ def test_against_50_digits(scene: Scene) -> None:
 @given(by_formula())
 def test_drives_by_formula_against_50_digits(scene: Scene) -> None:
     true = exact(scene, Sampling(24))
-    motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
+    motion = analytic.solve(scene, true[scene.channels.drive.position], true["time"])
     assert_agree(scene, motion, {channel: true[channel] for channel in scene.channels.names()})
 
 

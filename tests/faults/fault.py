@@ -69,7 +69,7 @@ class Clean:
     @property
     def drive(self) -> str:
         """The channel of the drive's position."""
-        return self.scene.drive_channel
+        return self.scene.channels.drive.position
 
     @cached_property
     def state(self) -> MotionVectors:

@@ -42,7 +42,7 @@ def canaries(judgement: Judgement) -> list[str]:
 def _canaries(first: noticed.Thinned) -> Iterator[tuple[str, noticed.Noticed]]:
     """Yield what is wrong with each copy, in words, and whether that is noticed; of the channels that there are."""
     scene, count, scale = first.scene, first.sampling.count, first.reference.scale
-    drive = scene.drive_channel
+    drive = scene.channels.drive.position
     channels = first.excess(1.0).keys() - {drive}
     sizes = {c: float(np.abs(samples).max()) / scale[c] for c, samples in first.motion.samples.items() if c in channels}
     largest = max(sizes, key=sizes.__getitem__)

@@ -55,7 +55,7 @@ class Thinned:
         asked = replace(sampling, samples=count // every, turns=1)
         self.sampling, self.run = asked, replace(run, motion=self.motion)
         self.true = reference.at(asked.inputs(self.scene))  # what it should be
-        self.drive = self.scene.drive_channel
+        self.drive = self.scene.channels.drive.position
         # Where all channels are there, its own output has to show that it is wrong.
         self.complete = self.motion.samples.keys() >= {*self.scene.channels.names()}
         # What errors are relative to, by channel, within a factor of two, each of shape (n,).

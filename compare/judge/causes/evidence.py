@@ -50,7 +50,7 @@ class Evidence:
 
     def __init__(self, reference: Reference, motion: Motion, true: Motion, rows: NDArray[np.intp]) -> None:
         self.reference, self.motion, self.rows = reference, motion, rows
-        self.scene, self.drive = reference.scene, reference.scene.drive_channel
+        self.scene, self.drive = reference.scene, reference.scene.channels.drive.position
         self.true, self.given = true, Motion({c: samples[rows] for c, samples in motion.samples.items()})  # at the rows
         compared = (c for c in motion.samples if c != "time" and c in reference.scale and c in true)
         self.names = tuple(compared)  # the channels that are compared

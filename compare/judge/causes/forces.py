@@ -211,7 +211,7 @@ def _friction(carried: Carried) -> Iterator[Hypothesis]:
                 fits.append((replace(cause, names=(how,)), {c: size * change for c, change in unit.items()}))
         for how, resistance in (("Coulomb", load), ("viscous", np.abs(rubs)), ("dry", 1.0)):
             efforts[cause.place, how] = resistance * np.abs(rubs) * per_rate
-    effort = scene.effort_channel
+    effort = scene.channels.drive.effort
     if effort in evidence.names and evidence.outside([effort]) <= MAX_REST_TRIED:
         text = "{two} has {one} friction of {place} that no reaction has"
         for (place, how), course in efforts.items():

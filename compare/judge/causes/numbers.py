@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
+from scenes.channels import Role
 from scenes.model.motion import Samples
 
 from ...engines import registry
@@ -65,7 +66,7 @@ def _slopes(evidence: Evidence, scene: Scene, groups: Iterable[Numbers]) -> Slop
     Every number that is off by a hair makes a machine of its own; all are solved at once.
     """
     paths = [*dict.fromkeys(path for group in groups for direction in group.directions for path in direction)]
-    channels = frozenset(evidence.names) - {scene.drive_channel}
+    channels = frozenset(evidence.names).difference(scene.channels.names(Role.input))
     if not (paths and channels):
         return {}
     numbers = [scene.numbers[path] for path in paths]
@@ -76,7 +77,7 @@ def _slopes(evidence: Evidence, scene: Scene, groups: Iterable[Numbers]) -> Slop
     hair = SLOPE_STEP * np.where(value != 0, np.abs(value), typical)
     machines = np.vstack([value + np.diag(hair), value])  # of the last one no number is off
     solve = registry.many(scene, dict(zip(paths, (machines / unit).T, strict=True)), channels)
-    position, time = (np.tile(evidence.true[c], (len(machines), 1)) for c in (scene.drive_channel, "time"))
+    position, time = (np.tile(evidence.true[c], (len(machines), 1)) for c in (scene.channels.drive.position, "time"))
     motions = solve(position, time).samples
     return {path: {c: (motions[c][k] - motions[c][-1]) / hair[k] for c in channels} for k, path in enumerate(paths)}
 

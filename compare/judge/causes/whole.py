@@ -44,8 +44,8 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         size = KNOWN["rad"][unit]
         rates = {c: (size / scene.drive.law.speed) ** order * true[c] for c, order in orders.items()}
         yield Hypothesis(Cause(Kind.unit, "all", BY_ANGLE, names=(name,)), rates)
-        there = evidence.passing(scene, size / KNOWN["rad"][other] * true[scene.drive_channel])
-        others = {c: there[c] for c in evidence.names if c != scene.drive_channel and there}
+        there = evidence.passing(scene, size / KNOWN["rad"][other] * true[scene.channels.drive.position])
+        others = {c: there[c] for c in evidence.names if c != scene.channels.drive.position and there}
         yield Hypothesis(Cause(Kind.unit, "drive", AXIS, names=(unit, other)), others)
 
 
@@ -133,7 +133,7 @@ def _drive(text: str, *amounts: float) -> Cause:
 
 def _offsets(evidence: Evidence, scene: Scene, law: DriveLaw) -> Iterator[Hypothesis]:
     """Yield a drive that is off by a constant, and its channel not; and a law with another one of its positions."""
-    asked, hair = evidence.true[scene.drive_channel], [1e-5 * np.ptp(law.extent)]
+    asked, hair = evidence.true[scene.channels.drive.position], [1e-5 * np.ptp(law.extent)]
     (displacement,), predicted = evidence.fitted(lambda x: evidence.passing(scene, asked + x[0]), hair, 3)
     yield Hypothesis(_drive(BY, float(displacement)), predicted, 1)
     entries = [number for number in walk(law, "drive") if number.quantity.dimension == "position"]
@@ -152,13 +152,13 @@ def _offsets(evidence: Evidence, scene: Scene, law: DriveLaw) -> Iterator[Hypoth
 
 def _speeds(evidence: Evidence, scene: Scene, law: ConstantSpeed) -> Iterator[Hypothesis]:
     """Another speed: with its poses, with those asked for and other rates, or instants that are too far apart."""
-    time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
-    there = evidence.given[scene.drive_channel] - law.start
+    time, asked = evidence.true["time"], evidence.true[scene.channels.drive.position]
+    there = evidence.given[scene.channels.drive.position] - law.start
     # Candidates of the speed: by the drive's own positions, backwards, and by the velocities returned.
     rates = {float(there @ time / (time @ time)), -law.speed}
     if velocities := {c: evidence.true[c] for c, order in _orders(evidence).items() if order == 1}:
         rates.add(law.speed * (1 + float(evidence.added([velocities])[0][0])))
-    others = [c for c in evidence.names if c != scene.drive_channel]
+    others = [c for c in evidence.names if c != scene.channels.drive.position]
 
     def at(rate: float, text: str) -> Channels:
         other = scene if text == CLOCK else scene.with_law(replace(law, speed=rate))

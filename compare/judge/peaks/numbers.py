@@ -89,7 +89,7 @@ def numbers(
 def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[CycleNumber]:
     """Yield the drive's largest torque or force with its motion and against it, their RMS value, power and work."""
     effort = scene.channels[scene.channels.drive.effort].quantity
-    values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
+    values, time, position = curve.values(motion), motion["time"], motion[scene.channels.drive.position]
     with_motion, power, rate = driving(scene, values, motion)
     size = np.maximum(np.abs(values).max(axis=-1), MIN_SIZE * curve.scale)
     for name, height in (("driving", with_motion), ("braking", -with_motion)):

@@ -47,7 +47,8 @@ class Bench:
         self.study, self.scene, self.rows = study, study.scene, moving.rows
         self.program: Mapping[str, Any] = {}  # nothing where the page cannot solve the linkage
         if study.sampling.channels is None and self.scene.tables:
-            position, time = (study.motion[channel][self.rows] for channel in (self.scene.drive_channel, "time"))
+            drive = self.scene.channels.drive.position
+            position, time = (study.motion[channel][self.rows] for channel in (drive, "time"))
             self.program = registry.page_program(self.scene, position, time) or {}
         self._places = {path: place for place, path in enumerate(self.program.get("numbers", ()))}
 

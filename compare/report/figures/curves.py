@@ -221,7 +221,7 @@ def friction(study: Study) -> Figure:
     for number, (joint, power) in enumerate(taken.items()):
         line = {"color": colour(number), "width": 0.5}
         draw(figure, joint, along, factor * power, 1, line=line, stackgroup="losses")
-    effort = scene.effort_channel
+    effort = scene.channels.drive.effort
     factor, unit = named[scene.channels[effort].unit]
     draw(figure, "with friction", along, factor * motion[effort], 2, line={"color": DARK_GREY})
     free = {"color": DARK_GREY, "dash": "dot"}

@@ -53,7 +53,7 @@ class MovingPicture:
         if before and before.motion.samples:
             self.engines[BEFORE] = None, before.motion
         self.names = [REFERENCE, *self.engines]  # as they are numbered in the data
-        self._effort = [c for c in (scene.effort_channel,) if c in study.motion]  # one, or none
+        self._effort = [c for c in (scene.channels.drive.effort,) if c in study.motion]  # one, or none
         self._places = [name for names in scene.channels.points.values() for name in names.place]
         plotted = [channel for panel in panels for curve in panel.curves for channel in curve.factors]
         forces = [component for arrow in self.drawing.arrows for component in arrow.components]

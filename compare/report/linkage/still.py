@@ -22,7 +22,7 @@ def small(scene: Scene, motion: Motion) -> str:
     stride = ceil(len(motion["time"]) / MAX_ROWS)
     rows = (scene.channels[name] for name in motion.samples)
     some = {row.name: motion[row.name][::stride] for row in rows if row.role is Role.kinematic and row.order == 0}
-    pose = Motion(some | {c: motion[c][::stride] for c in ("time", scene.drive_channel)})
+    pose = Motion(some | {c: motion[c][::stride] for c in scene.channels.names(Role.time, Role.input)})
     drawing = Drawing(replace(scene, loads=(), friction=()), pose)
     root, _ = picture(drawing)
     root.set("style", f"--px: {SMALL * PX:.4f}")

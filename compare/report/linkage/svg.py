@@ -84,7 +84,9 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
     A group that moves says by what: `data-point`, where it is; `data-turn`, its body; `data-to`, a spring's other end.
     """
     (_, height), scene = drawing.size, drawing.scene
-    root = empty(f"{scene.title} at {scene.where(float(drawing.motion[scene.drive_channel][0]))}", drawing.size)
+    root = empty(
+        f"{scene.title} at {scene.where(float(drawing.motion[scene.channels.drive.position][0]))}", drawing.size
+    )
     background(root, drawing)
     movers = [*bodies(root, drawing), *springs(root, drawing), *turning(root, drawing)]
     SubElement(root, "g", {"class": "engines"})

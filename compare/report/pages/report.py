@@ -83,7 +83,7 @@ def unsolved_page(scene: Scene, unsolved: UnsolvedError, way: MotionRange | None
         whole=", ".join(scene.between(drive.law.extent) for drive in scene.drives),
         goes=[scene.between(ends) for ends in way.ways] if way else [],
         picture=stopped(scene, way) if way else sketched(scene, joint),
-        where=scene.where(float(way.motion[scene.drive_channel][0])) if way else "",
+        where=scene.where(float(way.motion[scene.channels.drive.position][0])) if way else "",
         changed=changed,
     )
 

@@ -54,7 +54,7 @@ def sentences(study: Study) -> Iterator[str]:
     """Yield what friction does, a sentence each."""
     scene, cycle, named = study.scene, study.reference.cycle, units(study.reference)
     yield from _efficiency(study)
-    channel = scene.effort_channel
+    channel = scene.channels.drive.effort
     both = (float(np.abs(values).max()) for values in (cycle[channel], frictionless(scene, cycle)))
     largest, free = (written(value, scene.channels[channel].unit, named) for value in both)
     effort = f"the drive's largest {scene.channels[channel].quantity} is {largest}, without friction {free}"
@@ -101,7 +101,7 @@ def _efficiency(study: Study) -> Iterator[str]:
 
 def frictionless(scene: Scene, motion: Motion) -> Samples:
     """The drive's torque, N m, or force, N, without friction, at the samples of a motion."""
-    free, channel = replace(scene, friction=()), scene.effort_channel
+    free, channel = replace(scene, friction=()), scene.channels.drive.effort
     return registry.reference(free, frozenset((channel,)))(inputs_in(free, motion))[channel]
 
 
@@ -114,7 +114,7 @@ def _jam(scene: Scene) -> str:
         scaled = (replace(friction, coefficient=factor * friction.coefficient) for friction in scene.friction)
         harder = replace(scene, friction=tuple(scaled))
         try:
-            registry.motion(harder, CYCLE, frozenset((scene.effort_channel,)))
+            registry.motion(harder, CYCLE, frozenset((scene.channels.drive.effort,)))
         except Failure:
             return True
         return False

@@ -67,7 +67,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         if self.options.solver == TRAPEZOIDAL and self.options.richardson:
             # The trapezoidal rule has an undamped error that alternates from step to step.
             stride += stride % 2  # errors of a period of two steps cancel between two even numbers of steps
-        parts = pieces(self.scene.drive.law, float(times[-1]))
+        parts = pieces(self.system.prescribed.law, float(times[-1]))
         if isinstance(self.options, TextbookTimeStepping):
             return [Stretch(parts, slice(len(times)), stride, 0.0, self._at_start)]
         begins = np.searchsorted(times, [part.begin - SAME_INSTANT_TOL * times[1] for part in parts])

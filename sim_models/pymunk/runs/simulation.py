@@ -81,7 +81,7 @@ class PymunkSimulation:
             self._channels = wanted_channels(self._linkage, self._times, motion, self._stroke_ends, forces=forces)
             if between_bodies(self._scene):  # that of the runs: it need not be linear in the coordinates
                 position = _richardson([self._linkage.drive_position(run.q) for run in runs])
-                self._channels = {**self._channels, self._scene.drive_channel: position}
+                self._channels = {**self._channels, self._scene.channels.drive.position: position}
 
     def read(self) -> Motion:
         """The channels, having checked each run; a Failure names the drive's position and has the motion with it."""

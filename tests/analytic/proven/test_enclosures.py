@@ -270,7 +270,7 @@ def off_by(scene: Scene) -> dict[str, float]:
 @pytest.mark.parametrize("name", ["toggle_press", "double_toggle_clamp"])
 def test_all_machines_within_tolerances(name: str) -> None:
     scene = scenes.load(name)
-    names = frozenset({f"{scene.output}.{q}" for q in ("x", "y", "vx", "vy")} | {scene.effort_channel})
+    names = frozenset({f"{scene.output}.{q}" for q in ("x", "y", "vx", "vy")} | {scene.channels.drive.effort})
     found = analytic.enclose(scene, names, off=off_by(scene))
     assert found.open_at is None
     bounds = {(row.channel, row.extreme): row for row in found.rows}

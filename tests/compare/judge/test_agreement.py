@@ -127,7 +127,7 @@ def test_what_engines_cannot_model_is_no_failure_of_a_certified_scene(judge: Jud
 
 def test_an_engine_that_gives_the_drive_alone_confirms_nothing(judge: Judge, reference: Reference) -> None:
     """Though it has a reason for every channel that it leaves out; where the drive alone is asked for, that is all."""
-    whole, own = commanded(reference), {"time", reference.scene.drive_channel}
+    whole, own = commanded(reference), {"time", reference.scene.channels.drive.position}
     given = {channel: samples for channel, samples in whole.samples.items() if channel in own}
     motion = Motion(given, dict.fromkeys(whole.samples.keys() - own, "left out"))
     judged = judge(motion, ("analytic", "stub"))

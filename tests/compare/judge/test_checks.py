@@ -59,7 +59,7 @@ def test_a_check_notices(references: References, name: str, channel: str, by: fl
     noticed = next(c for c in found if (c.check, c.of) == (check, of))
     assert max(violations(reference, motion).values()) <= 1e-13
     assert noticed.worst > 1e-9
-    assert noticed.where == reference.scene.where(float(motion[reference.scene.drive_channel][40]))
+    assert noticed.where == reference.scene.where(float(motion[reference.scene.channels.drive.position][40]))
     assert name != "toggle_press" or noticed.max_at == pytest.approx(200.0)
 
 

@@ -40,7 +40,7 @@ from tests.comparisons import (
 def test_an_error_in_any_channel_of_any_drive_is_found(references: References, name: str) -> None:
     reference = references(name)
     plain = commanded(reference)
-    for channel in {*reference.scene.channels.names()} - {"time", reference.scene.drive_channel}:
+    for channel in {*reference.scene.channels.names()} - {"time", reference.scene.channels.drive.position}:
         scale = reference.scale[channel]
         table = rows_of(reference, changed(plain, channel, -1e-3 * scale))
         row, error = row_of(table, channel), 1e-3 * scale / size_of(plain, channel, scale)

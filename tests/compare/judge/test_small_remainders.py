@@ -132,7 +132,7 @@ def test_another_program_of_a_drive_with_nothing_to_do(tmp_path: Path, off: floa
     """Six decimals of its instants are 5e-5 N of the mass's 10 N, and all that it has of the drive's force."""
     scene = scene_files.load("mass_on_spring")
     reference, writer = uncertified(scene), Writer(decimals=".6f")
-    columns = writer.columns(scene, SAMPLES.times(scene), [scene.drive_channel, *channels(scene)])
+    columns = writer.columns(scene, SAMPLES.times(scene), [scene.channels.drive.position, *channels(scene)])
     columns["drive.force"] = columns["drive.force"] + off
     result = read_result(scene, f"theirs={writer.file(tmp_path, columns)}")
     assert assess_result(reference, result).run.status is status

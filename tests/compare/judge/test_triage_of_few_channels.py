@@ -46,7 +46,7 @@ def commanded(scene: Scene, slower: float = 1.0, speed: float = 1.0) -> dict[str
 
 def seen(reference: Reference, samples: dict[str, Samples], channels: Collection[str]) -> Evidence:
     """Return what there is of a result with these channels alone."""
-    inputs = {c: commanded(reference.scene)[c] for c in ("time", reference.scene.drive_channel)}
+    inputs = {c: commanded(reference.scene)[c] for c in ("time", reference.scene.channels.drive.position)}
     asked = replace(SAMPLING, channels=frozenset(channels))
     return evidence(reference, asked, Motion({c: samples[c] for c in channels} | inputs))
 

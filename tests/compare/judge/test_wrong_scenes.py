@@ -105,10 +105,10 @@ def test_several_numbers_that_are_off_at_once(references: References, only: str)
     gravity = (0.99966 * 0.5, -0.99966 * 9.81)
     other = solved(replace(scene, bodies=bodies, gravity=gravity), reference)
     theirs = {c: np.round(v, 8) for c, v in other.samples.items()}
-    kept = {"time", scene.drive_channel, only} if only else {*theirs}
-    asked = Instants(tuple(theirs["time"]), channels=frozenset(kept) - {"time", scene.drive_channel})
+    kept = {"time", scene.channels.drive.position, only} if only else {*theirs}
+    asked = Instants(tuple(theirs["time"]), channels=frozenset(kept) - {"time", scene.channels.drive.position})
     right = commanded(reference)
-    given = {c: theirs[c] if c in kept - {"time", scene.drive_channel} else right[c] for c in kept}
+    given = {c: theirs[c] if c in kept - {"time", scene.channels.drive.position} else right[c] for c in kept}
     named = likeliest(evidence(reference, replace(asked, instants=tuple(right["time"])), Motion(given)))
     ways = [{one.text: one.amounts[0] for one in (each, *each.besides)} for each in (named, *named.others)]
     expected = {GRAVITY: -0.00034, WIDTH: 0.1}

@@ -91,7 +91,7 @@ def test_a_drive_acts_on_both_its_bodies(name: str, effort: str, law: str, both:
 def test_a_drive_is_where_its_bodies_are(name: str) -> None:
     """Poses at other positions of the drive than its channel has; and a channel that is not as asked."""
     scene, hair = scene_files.load(name), 1e-4 * float(np.ptp(scene_files.load(name).drive.law.extent))
-    motion, by = solved(scene), scene.drive_channel
+    motion, by = solved(scene), scene.channels.drive.position
     assert found(scene, changed(motion, by, hair, 9))["drive", scene.drive.body] > 1e-5
     beside = solved(scene_files.load(name, {"drive.start": {"bucket": 560.02, "elbow": -109.995}[name]}))
     off = found(scene, Motion({**beside.samples, by: motion[by], "time": motion["time"]}))

@@ -68,7 +68,7 @@ def test_moving_drives_against_the_reference(name: str, changes: scene_files.Cha
     scene = scene_files.load(name, changes)
     motion, expected = solve(scene, DEFAULT, SAMPLING), reference(scene, SAMPLING)
     # Rounding: the joint is the last that a sweep solves, and it is told where the step leads.
-    assert off(motion[scene.drive_channel], SAMPLING.commanded(scene)) <= 1e-12
+    assert off(motion[scene.channels.drive.position], SAMPLING.commanded(scene)) <= 1e-12
     # Measured: 4e-5 of accelerations of the elbow, which the extrapolation leaves, and less of all others.
     assert max(worst(errors(motion, expected)).values()) <= 2e-4
 

@@ -56,7 +56,7 @@ def test_mechanisms_are_second_order(name: str) -> None:
     expected = reference(scene, sampling)
     coarse, fine = (errors(solve(scene, PymunkSettings("", n, 1, 6000), sampling), expected) for n in (288, 576))
     smooth = ~beside_knots(scene, sampling, scene.cycle / 288)
-    for order in {kind(channel) for channel in expected} - {kind(scene.drive_channel)}:
+    for order in {kind(channel) for channel in expected} - {kind(scene.channels.drive.position)}:
         first, second = (max(e[smooth].max() for c, e in by.items() if kind(c) == order) for by in (coarse, fine))
         if first > 1e-7:  # or it is rounding: a constant rate, a moment about the only point
             # Measured: within 0.03, as the term in dt^3 leaves. A groove beside a centre of mass makes it 1.
