@@ -39,7 +39,7 @@ def _differences(steps: int) -> AnalyticSettings:
 
 
 KINDS = kinds_of((*RULES, *CONTACTS)) | DRIVES
-SHORTEST_SPRING = 1e-12  # of the longest arm: a shorter one's direction is round-off
+MIN_SPRING_LENGTH = 1e-12  # of the longest arm: a shorter one's direction is round-off
 DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (
     DEFAULT,
@@ -93,7 +93,7 @@ class AnalyticSimulation:
         z = motion_at(scene, linkage, position).z if pairs else {}
         for pair in pairs:
             apart = np.abs(z[pair.second[1]] - z[pair.first[1]])
-            if not apart.min() > SHORTEST_SPRING * linkage.arm:
+            if not apart.min() > MIN_SPRING_LENGTH * linkage.arm:
                 ends, where = " and ".join(map(".".join, pair.ends)), scene.where(float(position[apart.argmin()]))
                 reason = f"the {pair.noun}'s ends {ends} meet at {where}: it has no direction"
                 raise Failure(Status.nonfinite, reason, motion)

@@ -74,10 +74,10 @@ class Pass(Placing):
         k.v[first], k.a[first] = ((driver.t * rate).astype(self.complex) for rate in spin)
         self.place_along(driver.body, first, driver.on)
 
-    def rrr(self, dyad: InnerPin, one: Pinned, two: Pinned) -> None:
+    def rrr(self, dyad: InnerPin, leg_1: Pinned, leg_2: Pinned) -> None:
         """Place two bars; P follows from the three sides of their triangle."""
-        A, B, P, k = one.A, two.A, dyad.P, self.k
-        bar_1, bar_2 = self.bar(one, P), self.bar(two, P)
+        A, B, P, k = leg_1.A, leg_2.A, dyad.P, self.k
+        bar_1, bar_2 = self.bar(leg_1, P), self.bar(leg_2, P)
         r1, r2 = abs(bar_1), abs(bar_2)
         d = k.z[B] - k.z[A]
         distance = np.abs(d)
@@ -85,9 +85,9 @@ class Pass(Placing):
         k.to_lock[P] = np.minimum((r1 + r2) - distance, distance - abs(r1 - r2))
         p, q, area = self.arms(dyad, d, distance, r1, r2)
         k.closure[P] = Closure(1j * p, 1j * q, area)
-        spin_1, spin_2 = self.spins(P, (one, p), (two, q)) if self.rates else (None, None)
-        self.place_bar(one, P, p, p * (1 / bar_1), spin_1)
-        self.place_bar(two, P, q, q * (1 / bar_2), spin_2)
+        spin_1, spin_2 = self.spins(P, (leg_1, p), (leg_2, q)) if self.rates else (None, None)
+        self.place_bar(leg_1, P, p, p * (1 / bar_1), spin_1)
+        self.place_bar(leg_2, P, q, q * (1 / bar_2), spin_2)
 
     def arms(
         self, dyad: InnerPin, d: Vectors, distance: Samples, r1: Number, r2: Number
@@ -97,11 +97,11 @@ class Pass(Placing):
 
     def spins(self, P: str, bar_1: tuple[Pinned, Vectors], bar_2: tuple[Pinned, Vectors]) -> tuple[Spin, Spin]:
         """Return how two bars turn, each given with its arm to the inner pin."""
-        closure, (one, p), (two, q) = self.k.closure[P], bar_1, bar_2
-        w1, w2 = closing(self.foot_v(two, q) - self.foot_v(one, p), *closure)
+        closure, (leg_1, p), (leg_2, q) = self.k.closure[P], bar_1, bar_2
+        w1, w2 = closing(self.foot_v(leg_2, q) - self.foot_v(leg_1, p), *closure)
         # Both legs give the inner pin one acceleration: a_A + i alpha_1 p - w1^2 p = a_B + i alpha_2 q - w2^2 q, two
         # real equations for alpha_1 and alpha_2.
-        centripetal = (self.foot_a(two, q, w2) - w2**2 * q) - (self.foot_a(one, p, w1) - w1**2 * p)
+        centripetal = (self.foot_a(leg_2, q, w2) - w2**2 * q) - (self.foot_a(leg_1, p, w1) - w1**2 * p)
         alpha_1, alpha_2 = closing(centripetal, *closure)
         return (w1, alpha_1), (w2, alpha_2)
 
@@ -132,25 +132,25 @@ class Pass(Placing):
         self.place_along(slider.body, P, slider.on)
         self.place_bar(bar, P, p, as_vectors(p_t, p_n) * (t / arm), spin)
 
-    def prp(self, dyad: InnerPin, one: Guided, two: Guided) -> None:
+    def prp(self, dyad: InnerPin, leg_1: Guided, leg_2: Guided) -> None:
         """Place two sliders, whose guides cross at P."""
         P, k = dyad.P, self.k
-        C1, C2 = self.guide_through(one, P), self.guide_through(two, P)
-        t1, t2 = self.k.direction(one), self.k.direction(two)
+        C1, C2 = self.guide_through(leg_1, P), self.guide_through(leg_2, P)
+        t1, t2 = self.k.direction(leg_1), self.k.direction(leg_2)
         closure = k.closure[P] = Closure(t1, t2, cross(t1, t2))
         k.reach[P] = dyad.branch * closure.det
         k.to_lock[P] = self.linkage.arm * k.reach[P]
-        k.z[P], k.v[P], k.a[P] = self.crossing(closure, one.on, C1, two.on, C2)
-        self.place_along(one.body, P, one.on)
-        self.place_along(two.body, P, two.on)
+        k.z[P], k.v[P], k.a[P] = self.crossing(closure, leg_1.on, C1, leg_2.on, C2)
+        self.place_along(leg_1.body, P, leg_1.on)
+        self.place_along(leg_2.body, P, leg_2.on)
 
-    def rpr(self, dyad: InnerSlide, one: Pinned, two: Pinned) -> None:
+    def rpr(self, dyad: InnerSlide, leg_1: Pinned, leg_2: Pinned) -> None:
         """With w the guide's direction, d = A1 - A2 has the side h across the guide, known, and sigma along it."""
         k, guide, name = self.k, dyad.guide, dyad.P
         bodies = self.linkage.bodies
-        feet = (guide.F - bodies[one.body].local[one.A]) - (guide.G - bodies[two.body].local[two.A])
+        feet = (guide.F - bodies[leg_1.body].local[leg_1.A]) - (guide.G - bodies[leg_2.body].local[leg_2.A])
         h = -cross(guide.t, samples(feet))
-        d = k.z[one.A] - k.z[two.A]
+        d = k.z[leg_1.A] - k.z[leg_2.A]
         distance = np.abs(d)
         k.reach[name] = slide_reach(distance, h)
         k.to_lock[name] = distance - np.abs(h)
@@ -161,41 +161,41 @@ class Pass(Placing):
         k.closure[name] = Closure(1j * w, d, -sigma)
         spin = None
         if self.rates:
-            dd, ddd = k.v[one.A] - k.v[two.A], k.a[one.A] - k.a[two.A]
+            dd, ddd = k.v[leg_1.A] - k.v[leg_2.A], k.a[leg_1.A] - k.a[leg_2.A]
             omega = cross(w, dd) / sigma
             slip = dot(w, dd) + omega * h
             spin = omega, (cross(w, ddd) - 2 * omega * slip + omega**2 * h) / sigma
         u = w * guide.t.conjugate()
-        self.place(one.body, one.A, u, spin)
-        self.place(two.body, two.A, u, spin)
+        self.place(leg_1.body, leg_1.A, u, spin)
+        self.place(leg_2.body, leg_2.A, u, spin)
 
-    def rpp(self, dyad: InnerSlide, one: Guided, two: Pinned) -> None:
+    def rpp(self, dyad: InnerSlide, leg_1: Guided, leg_2: Pinned) -> None:
         """Turn the pinned leg with the outer guide; the other leg's point F then lies where its two guides cross."""
         k, inner = self.k, dyad.guide
-        self.place_along(two.body, two.A, one.on)
-        t1, t2 = self.k.direction(one), self.k.direction(inner)
+        self.place_along(leg_2.body, leg_2.A, leg_1.on)
+        t1, t2 = self.k.direction(leg_1), self.k.direction(inner)
         closure = k.closure[dyad.P] = Closure(t1, t2, cross(t1, t2))
         k.reach[dyad.P] = dyad.branch * closure.det
         k.to_lock[dyad.P] = self.linkage.arm * k.reach[dyad.P]
-        C1, C2 = self.fixed(one.on, one.G), self.fixed(two.body, inner.G - (inner.F - one.F))
-        first = self.scene.bodies[one.body].points[0]
-        r = k.u[one.on] * (self.linkage.bodies[one.body].first - one.F)
-        crossing = self.crossing(closure, one.on, C1, two.body, C2)
-        k.z[first], k.v[first], k.a[first] = self.carried(one.on, crossing, r)
-        self.place_along(one.body, first, one.on)
+        C1, C2 = self.fixed(leg_1.on, leg_1.G), self.fixed(leg_2.body, inner.G - (inner.F - leg_1.F))
+        first = self.scene.bodies[leg_1.body].points[0]
+        r = k.u[leg_1.on] * (self.linkage.bodies[leg_1.body].first - leg_1.F)
+        crossing = self.crossing(closure, leg_1.on, C1, leg_2.body, C2)
+        k.z[first], k.v[first], k.a[first] = self.carried(leg_1.on, crossing, r)
+        self.place_along(leg_1.body, first, leg_1.on)
 
     def larger(self, group: Group) -> None:
         """Place a larger group by Newton's method from the nearest pose of its branch."""
         k, track, placed = self.k, self.linkage.tracks[group], self.hung(group)
         pose, J = track.at(*track.guess(self.driven.position), placed.pose)
-        own: list[NDArray[Any]] = [pose.z, pose.u]
+        orders: list[NDArray[Any]] = [pose.z, pose.u]
         if self.rates:
             (v, omega), (a, alpha) = map(in_plane, rates(track.equations, pose, J, placed))
-            own += [v, a, omega, alpha]
+            orders += [v, a, omega, alpha]
         k.jacobian[group.P] = track.equations, pose, J[..., : 3 * len(group.bodies)]
         k.reach[group.P] = np.where(np.isnan(J[..., 0, 0]), -1.0, 1.0)
         for b, body in enumerate(group.bodies):
-            z, u, *moving = (values[..., b] for values in own)
+            z, u, *moving = (values[..., b] for values in orders)
             foot = self.scene.bodies[body].points[0]
             k.z.setdefault(foot, z)
             if self.rates:
@@ -218,5 +218,7 @@ class Pass(Placing):
                 point = name.removeprefix(".")
                 plane = k.z[point], k.v.get(point, still), k.a.get(point, still)
             frames.append((*plane, *turn))
-        z, v, a, angle, omega, alpha = (stacked(self.driven.position.shape, of) for of in zip(*frames, strict=True))
+        z, v, a, angle, omega, alpha = (
+            stacked(self.driven.position.shape, values) for values in zip(*frames, strict=True)
+        )
         return Placed(FramePoses(z, angle), coordinates(v, omega), coordinates(a, alpha))

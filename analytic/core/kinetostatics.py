@@ -56,14 +56,14 @@ class Balance(Loading):
 
     def inner_pin(self, dyad: InnerPin) -> None:
         """Balance a dyad with an inner pin."""
-        one, two = dyad.legs
+        leg_1, leg_2 = dyad.legs
         # Each leg has one freedom about its outer joint. Virtual work on both freedoms gives the inner pin's force; the
         # outer joints then hold what is left over of each leg.
         applied = [self.on_leg(leg, dyad.P) for leg in dyad.legs]
         Q1, Q2 = (self.on_freedom(leg, *load) for leg, load in zip(dyad.legs, applied, strict=True))
         R = self.pull(dyad, Q1, Q2)
-        self.hold(one.body, dyad.P, R)
-        self.hold(two.body, dyad.P, -R)
+        self.hold(leg_1.body, dyad.P, R)
+        self.hold(leg_2.body, dyad.P, -R)
         for leg, (force, moment), on_leg in zip(dyad.legs, applied, (R, -R), strict=True):
             if isinstance(leg, Pinned):
                 self.reactions.pin[leg.A, leg.via or leg.body] = -(force + on_leg)
@@ -79,29 +79,29 @@ class Balance(Loading):
 
     def inner_slide(self, dyad: InnerSlide) -> None:
         """Balance a dyad with an inner slide."""
-        one, two = dyad.legs
-        force_1, moment_1 = self.applied(one.body, self.foot(one))
-        force_2, moment_2 = self.applied(two.body, two.A)
+        leg_1, leg_2 = dyad.legs
+        force_1, moment_1 = self.applied(leg_1.body, self.foot(leg_1))
+        force_2, moment_2 = self.applied(leg_2.body, leg_2.A)
         g1, g2, det = self.k.closure[dyad.P]
-        if isinstance(one, Pinned):
+        if isinstance(leg_1, Pinned):
             # The inner guide's force is normal to it. Two pinned legs, which turn together: N from the sum of moments
             # about both feet. One leg on an outer guide: N from the force along that guide.
             n, N = g1, (moment_1 + moment_2) / -det
         else:  # the normal of the inner guide is square to it, what is left over goes along the outer guide's normal
             n, N = 1j * g2, dot(g1, force_1) / det
         on_1 = n * N
-        self.reactions.pin[two.A, two.body] = on_1 - force_2
+        self.reactions.pin[leg_2.A, leg_2.body] = on_1 - force_2
         # Where either leg's balance gives M, take the slider's: its own lever is the short one, often none.
-        at = self.k.z[self.scene.bodies[dyad.guide.slider].points[0]]
-        if dyad.guide.slider == one.body and isinstance(one, Pinned):
-            M = -moment_1 - cross(at - self.k.z[one.A], on_1)
+        place = self.k.z[self.scene.bodies[dyad.guide.slider].points[0]]
+        if dyad.guide.slider == leg_1.body and isinstance(leg_1, Pinned):
+            M = -moment_1 - cross(place - self.k.z[leg_1.A], on_1)
         else:
-            M = moment_2 - cross(at - self.k.z[two.A], on_1)
+            M = moment_2 - cross(place - self.k.z[leg_2.A], on_1)
         self.channel(dyad.guide, N, M)
-        if isinstance(one, Pinned):
-            self.reactions.pin[one.A, one.body] = -(force_1 + on_1)
+        if isinstance(leg_1, Pinned):
+            self.reactions.pin[leg_1.A, leg_1.body] = -(force_1 + on_1)
         else:
-            self.outer_guide(one, force_1 + on_1, moment_1 + cross(at - self.k.z[self.foot(one)], on_1) + M)
+            self.outer_guide(leg_1, force_1 + on_1, moment_1 + cross(place - self.k.z[self.foot(leg_1)], on_1) + M)
 
     def foot(self, leg: Leg) -> str:
         """Return the point about which a leg's moments are taken."""
@@ -141,11 +141,11 @@ class Balance(Loading):
         """Let a leg's guide hold what acts on the leg, the moment about the leg's foot."""
         t = self.k.direction(leg)
         N = -cross(t, force)
-        at = self.k.z[self.scene.bodies[leg.slider].points[0]]
+        place = self.k.z[self.scene.bodies[leg.slider].points[0]]
         reaction = 1j * t * N
-        M = -moment if leg.slider == leg.body else -moment - cross(at - self.k.z[self.foot(leg)], reaction)
+        M = -moment if leg.slider == leg.body else -moment - cross(place - self.k.z[self.foot(leg)], reaction)
         self.channel(leg, N, M)
-        self.slid_on.setdefault(leg.on, []).append(ActingForce(-reaction, at, -M))
+        self.slid_on.setdefault(leg.on, []).append(ActingForce(-reaction, place, -M))
 
     def channel(self, leg: Guided, N: Samples, M: Samples) -> None:
         """Keep what a guide does on the leg as what it does on the slider, which may be the other body."""
@@ -156,7 +156,7 @@ class Balance(Loading):
         """Balance a larger group by the transpose of its Jacobian: J^T forces + loads = 0, by virtual work."""
         _, _, J = self.k.jacobian[group.P]
         applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
-        loads = coordinates(*(stacked(J.shape[:-2], of) for of in zip(*applied, strict=True)))
+        loads = coordinates(*(stacked(J.shape[:-2], values) for values in zip(*applied, strict=True)))
         self.spread(group, np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0))
 
     def spread(self, group: Group, multipliers: Iterable[Any]) -> None:
@@ -171,10 +171,10 @@ class Balance(Loading):
         The force, N, acts at the first point of the first end, and the moment, N m, is about that.
         """
         first, second = ends
-        at = self.k.z[self.scene.bodies[first].points[0]]
+        place = self.k.z[self.scene.bodies[first].points[0]]
         for body, sign in ((second, -1), (first, 1)):
             if body not in bodies:
-                self.slid_on.setdefault(body, []).append(ActingForce(sign * force, at, sign * moment))
+                self.slid_on.setdefault(body, []).append(ActingForce(sign * force, place, sign * moment))
 
     def driver(self, leg: Leg) -> None:
         """Balance the driven body, and find the effort of the drive."""
@@ -193,8 +193,8 @@ class Balance(Loading):
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
         if self.alone is not None:
-            own = [self.alone[body]] if body in self.alone else []
-            return resultant(own, self.k.z[foot], samples(0j), samples(0.0))
+            alone = [self.alone[body]] if body in self.alone else []
+            return resultant(alone, self.k.z[foot], samples(0j), samples(0.0))
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * (rigid.com - rigid.local[foot])
         # d'Alembert: inertia force at the centre of mass, its moment about the foot, and the couple -I alpha.
@@ -219,7 +219,7 @@ class Balance(Loading):
 
 def resultant(acting: Iterable[ActingForce], foot: Vectors, force: Vectors, moment: Samples) -> tuple[Vectors, Samples]:
     """The sum of forces, and of their moments about a foot, from one of each on."""
-    for one in acting:
-        force = force + one.force
-        moment = moment + cross(one.at - foot, one.force) + one.moment
+    for force_on in acting:
+        force = force + force_on.force
+        moment = moment + cross(force_on.at - foot, force_on.force) + force_on.moment
     return force, moment

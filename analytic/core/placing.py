@@ -119,13 +119,13 @@ class Placing:
         # C1 + s1 t1 = C2 + s2 t2, and the same once and twice differentiated: guides that turn add the rates of their
         # points and Coriolis terms.
         s1, s2 = closing(C2[0] - C1[0], *closure)
-        one, two = self.carried(on_1, C1, s1 * t1), self.carried(on_2, C2, s2 * t2)
+        state_1, state_2 = self.carried(on_1, C1, s1 * t1), self.carried(on_2, C2, s2 * t2)
         if not self.rates:
-            return one
-        ds1, ds2 = closing(two[1] - one[1], *closure)
-        a1, a2 = one[2] + self.coriolis(on_1, ds1 * t1), two[2] + self.coriolis(on_2, ds2 * t2)
+            return state_1
+        ds1, ds2 = closing(state_2[1] - state_1[1], *closure)
+        a1, a2 = state_1[2] + self.coriolis(on_1, ds1 * t1), state_2[2] + self.coriolis(on_2, ds2 * t2)
         dds1, _ = closing(a2 - a1, *closure)
-        return one[0], one[1] + ds1 * t1, a1 + dds1 * t1
+        return state_1[0], state_1[1] + ds1 * t1, a1 + dds1 * t1
 
     def place_along(self, body: str, foot: str, on: str) -> None:
         """Carry the body's own points along with its placed point `foot`; it turns with another."""

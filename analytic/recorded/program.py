@@ -119,11 +119,11 @@ def recorded(
             for number, load in enumerate(opened.loads)
             if not (proven or load.is_moment)
         }
-    own = of_larger(linkage.groups)
+    of_core = of_larger(linkage.groups)
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):
         wanted = {name for name in names if channels is None or name in channels}
-        if wanted and own.isdisjoint(wanted):
+        if wanted and of_core.isdisjoint(wanted):
             value = traced(make, take(k, on))
             parts = zip(names, (value.x, value.y), strict=False)
             expressions |= {name: part for name, part in parts if name in wanted}
@@ -133,9 +133,9 @@ def recorded(
             expressions[rates.angle] = traced(make, continued(rough, k.u[body])).x
     branches = ((f"the branch of {group.P}", group.branch) for group in every.groups if not isinstance(group, Group))
     # A branch is zero where the sketch leaves it open.
-    drawn = {name: chosen(own * own > 0, 1.0, -1.0) for name, own in branches if isinstance(own, Traced)}
-    conditions = {name: traced(make, one).x for name, one in (k.reach | drawn).items()}
-    left = own if channels is None else own & channels
+    drawn = {name: chosen(branch * branch > 0, 1.0, -1.0) for name, branch in branches if isinstance(branch, Traced)}
+    conditions = {name: traced(make, condition).x for name, condition in (k.reach | drawn).items()}
+    left = of_core if channels is None else of_core & channels
     return Program(make, request, opened, linkage, way.closed, expressions, strokes, conditions, loads, left)
 
 
@@ -145,10 +145,10 @@ def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs
     for group in tracks[0] if tracks else ():
         begin, allowed, branch = inputs_of(group)
         each = np.broadcast_to(driven.position, (len(tracks), driven.position.shape[-1]))
-        guesses = [own[group].guess(position) for own, position in zip(tracks, each, strict=True)]
+        guesses = [tracks_of[group].guess(position) for tracks_of, position in zip(tracks, each, strict=True)]
         given |= zip(begin, np.moveaxis(np.array([guess for guess, _ in guesses]), -1, 0), strict=True)
         given[allowed] = np.array([off for _, off in guesses])
-        given[branch] = np.array([[own[group].branch] for own in tracks])
+        given[branch] = np.array([[tracks_of[group].branch] for tracks_of in tracks])
     return given
 
 
@@ -206,7 +206,7 @@ class RecordedPass(Pass):
         equations = equations_of(self.scene, self.linkage.bodies, group)
         C = [traced(self.make, row).x for row in equations.open(RecordedFrames(np.array(places), np.array(attitudes)))]
         # The Jacobian is differentiated from the constraints rather than written down a second time.
-        columns = [forward(self.make, C, {one: self.make.constant(1.0)}) for one in q]
+        columns = [forward(self.make, C, {coordinate: self.make.constant(1.0)}) for coordinate in q]
         return C, [entry for row in zip(*columns, strict=True) for entry in row]
 
     def frame(self, name: str) -> tuple[Any, Any]:

@@ -78,7 +78,7 @@ def line_of(file: Path, path: Sequence[str]) -> int | None:
         text = file.read_text(encoding="utf-8-sig")
     except (OSError, ValueError):
         return None
-    table, known, at = (), 0, None
+    table, known, found = (), 0, None
     for number, line in enumerate(text.split("\n"), start=1):
         if not (match := _LINE.match(line)):
             continue
@@ -86,8 +86,8 @@ def line_of(file: Path, path: Sequence[str]) -> int | None:
         here = tuple(key.strip("\"'") for key in re.findall(_KEY, match["table"] or match["key"]))
         table, here = (here, here) if match["table"] else (table, (*table, *here))
         if len(here) > known and here == tuple(path[: len(here)]):
-            known, at = len(here), number
-    return at
+            known, found = len(here), number
+    return found
 
 
 def _escaped(text: str, more: str = "") -> str:

@@ -38,7 +38,7 @@ from .mechanics import Mechanics
 from .motion_vectors import MotionVectors, Vectors
 
 STEPS = 3600  # of a cycle: from one to the next no angle comes near to half a turn
-HAIR = 1e-9  # rad: what rounding makes of half a turn, which counts as that, not as its opposite
+HALF_TURN_TOL = 1e-9  # rad: what rounding makes of half a turn, which counts as that, not as its opposite
 
 
 class Push(NamedTuple):
@@ -189,7 +189,7 @@ def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     # Samples are dense enough that no angle moves by half a turn between two. The start is put within (-pi, pi].
     angles = np.unwrap(sum(turning, np.zeros_like(places)))
     start = float(np.interp(inputs_of(scene, 0.0).driven().position, places, angles))
-    return places, angles - 2 * pi * ceil((start - pi - HAIR) / (2 * pi))
+    return places, angles - 2 * pi * ceil((start - pi - HALF_TURN_TOL) / (2 * pi))
 
 
 def _of_pin_friction(state: MotionVectors, one: PinFriction) -> Iterator[Push]:

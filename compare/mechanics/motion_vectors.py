@@ -19,7 +19,7 @@ from .bodies import first_point, plane
 Vectors = NDArray[np.complex128]
 Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
 
-HAIR = 1e-6  # of a slider's range and peak speed: far above all rounding, far below the way between two samples
+PERTURBATION = 1e-6  # of a slider's range and peak speed: far above all rounding, far below the way between two samples
 TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left there goes with the square of the speed
 
 
@@ -125,16 +125,16 @@ class MotionVectors:
         return replace(self, acting=acting)
 
     def acts(self, ends: Sequence[float]) -> Iterator[Acts]:
-        """Yield the activity of each press force at displacement and velocity perturbed by +-HAIR, shape (4, n).
+        """Yield where each press force acts at displacement and velocity, either +-PERTURBATION, shape (4, n).
 
         Its stroke ends at its entry of `ends`, m.
         """
         for load, end in zip(self.scene.presses.values(), ends, strict=True):
             x, v = self.displacement(self.scene.bodies[load.body])
             # At the end of a stroke x is within dx of the end while v passes zero: x goes as the square of v there, so
-            # that v may be as uncertain as the root of HAIR, `TURNING`.
-            dx = HAIR * np.ptp(x)
-            dv = np.where(np.abs(end - x) <= dx, TURNING, HAIR) * np.abs(v).max()
+            # that v may be as uncertain as the root of PERTURBATION, `TURNING`.
+            dx = PERTURBATION * np.ptp(x)
+            dv = np.where(np.abs(end - x) <= dx, TURNING, PERTURBATION) * np.abs(v).max()
             yield np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)])
 
 

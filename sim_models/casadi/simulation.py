@@ -6,7 +6,7 @@ from casadi import MX, SX, Function
 
 from scenes import Failure, Motion, Request, Scene, Status
 
-from ..coordinates.loads import SHORTEST_SPRING
+from ..coordinates.loads import MIN_SPRING_LENGTH
 from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.system import ClosedPose
@@ -41,7 +41,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     def read(self) -> Motion:
         """Hand over the channels."""
         motion = super().read()
-        if self._forces and not self._shortest.min() > SHORTEST_SPRING:
+        if self._forces and not self._shortest.min() > MIN_SPRING_LENGTH:
             where = self._scene.where(self._driven.position[self._shortest.argmin()])
             raise Failure(Status.nonfinite, f"the ends of a spring meet at {where}: it has no direction", motion)
         self.residuals = self._follower.residuals(self._poses, self._driven.position, self._settings.promise)

@@ -12,7 +12,7 @@ from scenes.elements.element import Element, End
 from scenes.elements.loads import Force, ForceTable, Load, PressForce
 from scenes.elements.springs import PointPair, Spring
 
-SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
+MIN_SPRING_LENGTH = 1e-12  # of the linkage's size; a shorter one's direction is round-off
 
 
 class Wrench(NamedTuple):

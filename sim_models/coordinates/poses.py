@@ -23,7 +23,7 @@ from .system import ClosedPose, System, solved
 SINGULAR_TOL = 1e-10  # of the largest singular value: what repeats a constraint leaves, where gaps are nearly closed
 MAX_HALVINGS = 20  # of one step; rounding of the scene's numbers can make or undo a lock within 1e-7 of a turn
 MAX_PARTS = 200  # of one step; two branches that run side by side may need any number
-LARGEST = np.radians(10.0)  # step of the drive, and as a part of its travel
+MAX_STEP = np.radians(10.0)  # step of the drive, and as a part of its travel
 TRIALS = 9  # positions ahead, to find one where a joint stays open
 MAX_GAP = 1e-9  # of bodies that fit together, over the size
 SECONDS = 120.0  # of processor time, for the build and for each cycle
@@ -68,7 +68,7 @@ class PathFollower:
     def largest_step(self) -> float:
         """The largest step of the drive, rad or m."""
         drive = self.system.drive
-        return float(LARGEST if drive.slide is None else LARGEST / (2 * np.pi) * drive.span)
+        return float(MAX_STEP if drive.slide is None else MAX_STEP / (2 * np.pi) * drive.span)
 
     def tangent(self, pose: ClosedPose) -> tuple[Samples, Samples]:
         """Return dx/ds and d2x/ds2, s the drive's position, rad or m."""

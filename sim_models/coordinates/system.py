@@ -19,7 +19,7 @@ from scenes.scene import GROUND
 
 from .bodies import MovingBody, framed_body, linkage_size
 from .joints import RULES
-from .loads import SHORTEST_SPRING, LoadedPose, Wrench, applied
+from .loads import MIN_SPRING_LENGTH, LoadedPose, Wrench, applied
 
 MAX_CONTRACTION = 0.25  # of a correction to the one before
 MAX_FIRST_CORRECTION = 0.1  # of a step
@@ -225,4 +225,4 @@ class System:
             displacement, velocity, _ = self.slid(bodies, slider)
             return displacement.real, velocity.real
 
-        return applied(LoadedPose(self.scene, ends, slid, place, SHORTEST_SPRING * self.size))
+        return applied(LoadedPose(self.scene, ends, slid, place, MIN_SPRING_LENGTH * self.size))

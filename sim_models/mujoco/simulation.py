@@ -22,7 +22,7 @@ from .model import MujocoUnits, model
 
 PRE_ROLL = 6  # steps before the first sample, after which the gaps are those that a step opens
 MAX_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
-SHORTEST_SPRING = 1e-4  # over the size: a shorter one's direction is that of the gaps in the joints
+MIN_SPRING_LENGTH = 1e-4  # over the size: a shorter one's direction is that of the gaps in the joints
 _sliding = partial(System, slides=True)  # one, by which the starts of scenes are kept
 
 
@@ -120,7 +120,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
             return size * complex(*data.site(":".join(end)).xpos[:2])
 
         data.xfrc_applied[:] = 0
-        for wrench in applied(LoadedPose(self._scene, self._ends, slid, place, SHORTEST_SPRING * size)):
+        for wrench in applied(LoadedPose(self._scene, self._ends, slid, place, MIN_SPRING_LENGTH * size)):
             if wrench.body != GROUND:
                 body, force = data.body(wrench.body), wrench.force / units.force
                 moment = wrench.about(size * complex(*body.xipos[:2])) / (units.force * size)

@@ -226,14 +226,14 @@ def size_of(group: Group, bodies: Mapping[str, RigidBody]) -> Number:
 
 def sketched_coordinates(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> list[Number]:
     """Return the m coordinates that lay each body on its sketched points with the least squares."""
-    at = scene.drawn
+    drawn = scene.drawn
     q: list[Number] = []
     for name in group.bodies:
         local = bodies[name].local
-        shown = [point for point in local if point in at]
+        shown = [point for point in local if point in drawn]
         u = sketched_attitude(scene, name, bodies)
-        feet = [at[point] + u * (bodies[name].first - local[point]) for point in shown]
-        feet = feet or list(at.values())  # of a body on a guide nothing need be shown
+        feet = [drawn[point] + u * (bodies[name].first - local[point]) for point in shown]
+        feet = feet or list(drawn.values())  # of a body on a guide nothing need be shown
         foot = sum(feet) / len(feet)
         q += [foot.real, foot.imag, np.arctan2(u.imag, u.real)]
     return q
