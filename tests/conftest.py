@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -27,7 +28,12 @@ settings.register_profile("no leftovers", database=None)
 settings.load_profile("no leftovers")
 
 
-SLOW_CASES = 3  # times as many as those by default, of a test of many cases
+BROWSER = "tests/browser/"
+LONGEST = (
+    *(BROWSER, "tests/test_wheel.py", "tests/test_docs.py", "tests/compare/test_library.py"),
+    *("tests/analytic/proven/test_enclosures.py", "tests/faults/test_faults.py", "tests/test_friction_ladder.py"),
+)
+SLOW_CASES = 2  # times as many as those by default, of a test of many cases
 
 
 @pytest.hookimpl(tryfirst=True)  # before tests are left out by their marks
@@ -54,6 +60,30 @@ def spread(items: Sequence[pytest.Item], count: int) -> list[pytest.Item]:
     """Return so many, or all where there are no more, the first and the last among them."""
     places = {round(number * (len(items) - 1) / max(count - 1, 1)) for number in range(count)}
     return [item for place, item in enumerate(items) if place in places]
+
+
+@pytest.hookimpl(optionalhook=True)  # of pytest-xdist
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Give each process of the tests whole files, and one of them all pages in a browser, which is started once.
+
+    What takes longest is begun first, so that no process works on alone at the end; other files follow by how many
+    tests they have.
+    """
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByFile(LoadFileScheduling):  # type: ignore[misc]  # it has no types
+        def _split_scope(self, nodeid: str) -> str:
+            file = super()._split_scope(nodeid)
+            return BROWSER if file.startswith(BROWSER) else file
+
+        def _assign_work_unit(self, node: Any) -> None:
+            for file in LONGEST:
+                if file in self.workqueue:
+                    self.workqueue.move_to_end(file, last=False)
+                    break
+            super()._assign_work_unit(node)
+
+    return ByFile(config, log)
 
 
 @pytest.fixture

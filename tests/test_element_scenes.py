@@ -22,7 +22,7 @@ CLOSE = 1e-12  # on the scale of `agreement`: of 200 scenes the worst is 4e-14, 
 OF_PEAK = 1e-12  # of each joint's own peak, between the core and 50 digits
 
 
-@pytest.mark.parametrize("count", [3, pytest.param(10, marks=SLOW), pytest.param(100, marks=pytest.mark.study)])
+@pytest.mark.parametrize("count", [1, pytest.param(10, marks=SLOW), pytest.param(100, marks=pytest.mark.study)])
 def test_three_formulations_agree_on_every_element_and_drive(tmp_path: Path, count: int) -> None:
     pytest.importorskip("flint")
     drawn = clean_scenes(tmp_path, count, elements=True)

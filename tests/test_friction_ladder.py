@@ -46,9 +46,9 @@ ENGINES = (
 
 
 def each(*engines: Held) -> pytest.MarkDecorator:
-    """Each of some engines; a second setting of one is slow."""
+    """Each of some engines; a second setting of one is left to the study."""
     first = {held.engine: held for held in reversed(engines)}.values()
-    marks = [() if held in first else (pytest.mark.slow,) for held in engines]
+    marks = [() if held in first else (pytest.mark.study,) for held in engines]
     names = [f"{held.engine} {held.setting.lower()}" for held in engines]
     every = (pytest.param(held, id=name, marks=mark) for held, name, mark in zip(engines, names, marks, strict=True))
     return pytest.mark.parametrize("held", [*every])

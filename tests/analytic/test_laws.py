@@ -27,6 +27,7 @@ often = settings(max_examples=12, deadline=None, derandomize=True)
 seldom = settings(max_examples=6, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking took minutes
 
 
+@SLOW
 @often
 @given(linkages())
 def test_masses_do_not_change_the_motion(scene: Scene) -> None:
@@ -48,6 +49,7 @@ def test_joints_close_and_forces_and_power_balance(scene: Scene) -> None:
         assert c.worst <= (FORCES if c.check in SOLVED else MOTION), c
 
 
+@SLOW
 @often
 @given(scene=linkages(), data=st.data())
 def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.DataObject) -> None:

@@ -31,7 +31,7 @@ def press_report(press_study: Study, tmp_path_factory: pytest.TempPathFactory) -
     return files.write(press_study, tmp_path_factory.mktemp("press"))
 
 
-@pytest.fixture(scope="module")  # tests of other modules look for processes that were left
+@pytest.fixture(scope="package")  # tests of other folders look for processes that were left
 def browser() -> Iterator["Browser"]:
     """Return Debian's chromium, driven by playwright; tests with it are skipped where either is missing."""
     driver = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")

@@ -84,9 +84,15 @@ def press(browser: "Browser", folder: Path) -> "Iterator[tuple[scenes.Scene, Pag
         yield scene, page
 
 
+@pytest.fixture(scope="module")
+def lever_path(folder: Path) -> Path:
+    return written(folder, "elements", LEVER)[1]
+
+
 @pytest.fixture
-def lever(browser: "Browser", folder: Path) -> "Iterator[Page]":
-    yield from opened(browser, written(folder, "elements", LEVER)[1])
+def lever(browser: "Browser", lever_path: Path) -> "Iterator[Page]":
+    """The page as its reader gets it."""
+    yield from opened(browser, lever_path)
 
 
 def shown(text: str) -> float:

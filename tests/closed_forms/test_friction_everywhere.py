@@ -57,14 +57,14 @@ def jams(scene: Scene) -> float | None:
 
 
 @every(FRICTION)
-@sampled(8)
+@sampled(5)
 @pytest.mark.parametrize("name", NAMES)
 def test_every_channel(held: Held, name: str) -> None:
     assert not off(held, everywhere(scene_files.load(name), 0.1)) > held.friction
 
 
 @every(FRICTION)
-@sampled(4)
+@sampled(2)
 @pytest.mark.parametrize("more", [{"viscous": 3.0}, {"smooth": 0.7}, {"viscous": 5.0, "smooth": 2.0}])
 def test_viscous_and_smooth(held: Held, more: dict[str, float]) -> None:
     plain = everywhere(scene_files.load("rocking_guide"), 0.15)
@@ -75,7 +75,7 @@ def test_viscous_and_smooth(held: Held, more: dict[str, float]) -> None:
 
 
 @every(FRICTION)
-@sampled(4)
+@sampled(2)
 @pytest.mark.parametrize("name", ["lift", "rocking_guide", "servo_press"])
 def test_the_drive_pays_for_friction(held: Held, name: str) -> None:
     """Its power is more than without friction by just what friction takes, since nothing moves otherwise."""
@@ -122,6 +122,7 @@ def test_no_coefficients_change_nothing(held: Held) -> None:
 
 
 @every(by_name("50 digits", "analytic"))
+@sampled(2)
 @pytest.mark.parametrize("name", ["toggle_press", "rocking_guide", "class_iii"])
 def test_friction_to_zero(held: Held, name: str) -> None:
     """The forces' difference to those without friction falls as mu over four decades."""

@@ -98,7 +98,7 @@ def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_E
     return "ran"
 
 
-@sampled(10)
+@sampled(5)
 @pytest.mark.parametrize("how", INSTEAD)
 @pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW if name in LATER else ()) for name in WHOLE])
 def test_one_thing_broken(name: str, how: str, tmp_path: Path) -> None:

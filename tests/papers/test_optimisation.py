@@ -213,6 +213,7 @@ def test_a_search_that_dies_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert children() == []
 
 
+@SLOW
 def test_study_and_report(tmp_path: Path) -> None:
     done: list[str] = []
     points = study(Effort(2, 0), (1.0,), done.append)

@@ -25,8 +25,8 @@ def _records(scenes: Iterable[Scene], sampling: Sampling = SAMPLING) -> list[Pro
 @pytest.mark.parametrize(
     ("count", "elements"),
     [
-        (3, False),
-        (2, True),
+        (2, False),
+        (1, True),
         pytest.param(10, True, marks=SLOW),
         pytest.param(60, True, marks=pytest.mark.study),
     ],

@@ -1,6 +1,7 @@
 """Summaries of earlier runs, whoever wrote them: read within bounds, or refused in one line."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
 from typing import Any
@@ -23,16 +24,18 @@ WHOLE: dict[str, Any] = {
     "verdict": {"word": "agrees", "sentence": "They agree."},
 }
 MEGABYTES = 150  # that one may take in all: 16 of text, its objects, and some room
-LARGE: dict[str, tuple[dict[str, Any], str]] = {  # by name: what it has, and the reason why it is refused
-    "rows without fields": ({"errors": [{}] * 400_000}, r"errors\.0\.engine\. Field required"),
-    "engines without fields": ({"engines": {str(n): {} for n in range(400_000)}}, "10000 entries at most"),
-    "changes without text": ({"since_last_run": [{}] * 400_000}, "10000 entries at most"),
+MANY = 400_000
+LARGE: dict[str, tuple[str, Callable[[], str], str]] = {  # by name: the key, its JSON, and why it is refused
+    "rows without fields": ("errors", lambda: f"[{_listed('{}')}]", r"errors\.0\.engine\. Field required"),
+    "engines without fields": ("engines", lambda: _table("{}"), "10000 entries at most"),
+    "changes without text": ("since_last_run", lambda: f"[{_listed('{}')}]", "10000 entries at most"),
     "differences of text": (
-        {"peaks": [WHOLE["peaks"][0] | {"differs": {str(n): "" for n in range(400_000)}}]},
+        "peaks",
+        lambda: json.dumps([WHOLE["peaks"][0] | {"differs": 0}]).replace(" 0}", f" {_table(json.dumps(''))}}}"),
         "10000 entries at most",
     ),
-    "a million lists": ({"scene": {"a": [[]] * 1_000_000}}, "500000 lists and tables at most"),
-    "17 MB": ({"picture": "a" * (17 << 20)}, "16777216 bytes at most"),
+    "a million lists": ("scene", lambda: f'{{"a": [{_listed("[]", 1_000_000)}]}}', "500000 lists and tables at most"),
+    "17 MB": ("picture", lambda: json.dumps("a" * (17 << 20)), "16777216 bytes at most"),
 }
 WRONG: dict[str, dict[str, Any]] = {
     "a unit of no size": {"scene": {"title": "A", "units": {"length": ["mm", 0]}}},
@@ -45,6 +48,14 @@ WRONG: dict[str, dict[str, Any]] = {
     "an unknown verdict": {"verdict": {"word": "excellent", "sentence": ""}},
     "a number of 400 digits": {"peaks": [WHOLE["peaks"][0] | {"value": 10**400}]},
 }
+
+
+def _listed(text: str, count: int = MANY) -> str:
+    return ", ".join([text] * count)
+
+
+def _table(text: str) -> str:
+    return "{" + ", ".join(f'"{n}": {text}' for n in range(MANY)) + "}"
 
 
 def written(folder: Path, **changes: object) -> Path:
@@ -61,8 +72,10 @@ def test_one_that_is_whole(tmp_path: Path) -> None:
 @sampled(2)
 @pytest.mark.parametrize("name", LARGE)
 def test_a_large_one_takes_no_more_memory_than_its_text_asks_for(name: str, tmp_path: Path) -> None:
-    changes, reason = LARGE[name]
-    file = written(tmp_path / "a", **changes)
+    key, text, reason = LARGE[name]
+    file = tmp_path / "summary.json"  # by its text: objects that are made here would hide what reading takes
+    others = json.dumps({other: value for other, value in WHOLE.items() if other != key})
+    file.write_text(f'{others[:-1]}, "{key}": {text()}}}', encoding="utf-8")
     before = getrusage(RUSAGE_SELF).ru_maxrss
     with pytest.raises(InputError, match=reason):
         summary_of(file)

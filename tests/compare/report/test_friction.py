@@ -94,7 +94,7 @@ def test_no_circles_without_friction(press: Study) -> None:
     assert (drawing.circles, drawing.larger, any(arrow.moment for arrow in drawing.arrows)) == ([], 1, False)
 
 
-def test_the_page_has_a_section_of_it(press: Study) -> None:
-    html = page(press)
+def test_the_page_has_a_section_of_it(drawer: Study) -> None:
+    html = page(drawer)
     assert 'id="friction"' in html
     assert "Losses by joint" in html

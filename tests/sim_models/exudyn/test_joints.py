@@ -39,7 +39,7 @@ ROUTES: dict[str, tuple[ExudynSettings, dict[str, float]]] = {
 }
 
 
-@sampled(6)
+@sampled(4)
 @pytest.mark.parametrize("route", ROUTES)
 @pytest.mark.parametrize("name", NAMES)
 def test_mechanism(name: str, route: str) -> None:
@@ -71,6 +71,7 @@ def test_more_knots_than_samples() -> None:
     check(found, SMOOTH)
 
 
+@sampled(2)
 @pytest.mark.parametrize("name", ["swinging_law", "turning_law", "wedge", "driven_toggle"])
 def test_trapezoidal_steps_follow_the_drive(name: str) -> None:
     """They hold velocities only, so where the drive's rate varies their position drifts by a share of h^2."""
