@@ -24,7 +24,7 @@ from ..judge.floor import UnsolvedError, solvable
 from ..judge.measure import Miss
 from ..measure.many.grid import grid
 from ..measure.speed.share import MAX_SHARE
-from ..measure.speed.speed_table import NO_CLOCK, Budget
+from ..measure.speed.speed_table import NO_CLOCK, QUICK, Budget
 from ..mechanics.axis import grouped
 from ..report.output import files
 from ..report.output.earlier import Change, Summary, before, last
@@ -42,7 +42,7 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[...,
             raise Stopped
         show(doing)
 
-    budget = NO_CLOCK if options.no_speed else Budget(rounds=20, seconds=0.1, share=MAX_SHARE, since=options.since)
+    budget = NO_CLOCK if options.no_speed else replace(QUICK, share=MAX_SHARE, since=options.since)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     with stoppable() as stopping:

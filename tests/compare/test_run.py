@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from compare.engines import registry
-from compare.measure.speed.speed_table import MIN_ROUNDS, PATIENCE
+from compare.measure.speed.speed_table import MIN_ROUNDS, QUICK
 from compare.report.output.files import _write_motion
 from compare.run import main
 from scenes import Motion, Scene, load, shipped
@@ -106,7 +106,7 @@ def test_speed_file(results: Path) -> None:
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
     few = speed[(speed["timed_runs"] < MIN_ROUNDS) & speed["build_s"].notna()]  # those of the main runs have none
     with_one_more = (few["timed_runs"] + 1) * (few["build_s"] + few["solve_median_s"])
-    assert (with_one_more > PATIENCE / len(speed)).all(), "fewer of slow settings alone"
+    assert (with_one_more > QUICK.patience / len(speed)).all(), "fewer of slow settings alone"
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
     for engine in ("exudyn", "pymunk"):  # more work, less error: the settings are in that order
         rows = speed[speed["engine"] == engine]

@@ -31,7 +31,6 @@ from .work_precision import LEVELS, TIE_TOL, SpeedRow, contenders, groups, solve
 
 MAX_DOUBTED_RATIO = 1.75  # of the limit of a tie to a time, below which a busy machine might have moved it across
 MIN_ROUNDS = 1  # beside its neighbours; what is compared takes more, and of alike solves in full there are several
-PATIENCE = 0.3  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
 # The three fastest solves within this of each other: chance alone would hardly repeat a lucky one. Two runs may be
 # three times as far apart and name the same setting, or call both level.
 ALIKE_SOLVES, AGREE = 3, 0.05
@@ -48,9 +47,13 @@ class Budget:
     most_s: float = inf  # of processor time, all rounds together
     share: float = 1.0  # of the processor time since `since`, the table; below one, what does not fit is left out
     since: float = 0.0  # s of this process's processor time: what came before is none of the table's
+    # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
+    patience: float = 0.3
 
 
 Again: TypeAlias = Callable[[Sequence[int]], Sequence[Run]]  # runs settings, by their places, one after the other
+# Of a report. With twice as much as many choices of settings differ from run to run, and the clock takes twice as long.
+QUICK = Budget(rounds=20, seconds=0.05, patience=0.15)
 NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are those of the error runs
 
 
@@ -237,7 +240,7 @@ def take_turns(
 
     def batches() -> Iterator[Sequence[int]]:
         every, end = range(len(times)), inf  # of the processor time of all runs, after which none begins
-        share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
+        share, able = max(budget.patience, budget.seconds) / (len(times) or 1), [*every]
         rounds = ALIKE_SOLVES if budget.full else MIN_ROUNDS
         for done in range(max(rounds, budget.rounds)):
             if done == rounds:
