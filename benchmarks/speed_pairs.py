@@ -1,8 +1,9 @@
 """What this checkout takes beside another one: `python -m benchmarks.speed_pairs --against PATH [--rounds N]`.
 
-Processor time, user and system, of one thread. Jobs of both checkouts take turns, so that a slow spell falls on both,
-and the least of each counts. A job that the other checkout does not know has no figure there. Each job is a process of
-its own, in the checkout's folder, by this interpreter.
+Processor time, user and system, of one thread. Jobs of both checkouts take turns, so that a slow spell falls on both.
+Of functions the least of each counts, of commands the median, and the ratio is that of the pairs. A job that the other
+checkout does not know has no figure there. Each job is a process of its own, in the checkout's folder, by this
+interpreter; byte code is written, and commands are run once before, since a checkout that lacks it is slower to start.
 """
 
 import argparse
@@ -12,7 +13,11 @@ import sys
 from collections.abc import Mapping, Sequence
 from math import inf, nan
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
+from typing import TypeVar
+
+Job = TypeVar("Job")
 
 LEAST = """
 from time import process_time
@@ -82,11 +87,12 @@ FUNCTIONS: Mapping[str, tuple[str, str, float]] = {
     "reductions of 1,000,000 positions: each": (STREAM, "ns", 1e-9),
     "toggle presses by --monte-carlo: each": (MACHINES, "us", 1e-6),
 }
-COMMANDS: Mapping[str, Sequence[str]] = {
-    "compare.run --list": ["--list"],
-    "compare.run": [],
-    "compare.run --no-speed": ["--no-speed"],
-    "compare.run class_iii": ["class_iii"],
+# job: the arguments of the command line here, and there, where the other checkout may lack an option
+COMMANDS: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
+    "compare.run --list": (["--list"], ["--list"]),
+    "compare.run": ([], []),
+    "compare.run --no-speed, before with the table": (["--no-speed"], []),
+    "compare.run class_iii": (["class_iii"], ["class_iii"]),
 }
 
 
@@ -95,27 +101,33 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--against", type=Path, required=True, metavar="PATH", help="another checkout")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--only", default="", metavar="TEXT", help="jobs with this in their names")
     options = parser.parse_args()
     checkouts = [options.against.resolve(), Path(__file__).parents[1]]
     print("| job | before | now | ratio |")
     print("| --- | ---: | ---: | ---: |")
-    for name, (job, unit, size) in FUNCTIONS.items():
+    for name, (job, unit, size) in chosen(FUNCTIONS, options.only):
         least = [inf, inf]
         for _ in range(options.rounds):
             least = [min(best, printed(place, LEAST + job)) for best, place in zip(least, checkouts, strict=True)]
         print(row(name, least, unit, size), flush=True)
-    for name, arguments in COMMANDS.items():
-        least = [inf, inf]
-        for _ in range(options.rounds):
-            least = [min(best, spent(place, arguments)) for best, place in zip(least, checkouts, strict=True)]
-        print(row(name, least, "s", 1.0), flush=True)
+    for name, (here, there) in chosen(COMMANDS, options.only):
+        jobs = [*zip(checkouts, (there, here), strict=True)]
+        _, *rounds = ([spent(*job) for job in jobs] for _ in range(options.rounds + 1))  # the first writes byte code
+        print(row(name, [median(times) for times in zip(*rounds, strict=True)], "s", 1.0, rounds), flush=True)
 
 
-def row(name: str, least: Sequence[float], unit: str, size: float) -> str:
-    """A row of the table: the least times, s, in a unit."""
-    before, now = (f"{time / size:.3g} {unit}" if time < inf else "none" for time in least)
-    ratio = least[1] / least[0] if least[0] < inf else nan
-    return f"| {name} | {before} | {now} | {ratio:.2f} |"
+def chosen(jobs: Mapping[str, Job], only: str) -> list[tuple[str, Job]]:
+    """The jobs with a text in their names."""
+    return [(name, job) for name, job in jobs.items() if only in name]
+
+
+def row(name: str, times: Sequence[float], unit: str, size: float, rounds: Sequence[Sequence[float]] = ()) -> str:
+    """A row of the table: times, s, in a unit, and their ratio; of rounds the median ratio, and from where to where."""
+    before, now = (f"{time / size:.3g} {unit}" if time < inf else "none" for time in times)
+    ratios = sorted(here / there for there, here in rounds) or [times[1] / times[0] if times[0] < inf else nan]
+    spread = f" ({ratios[0]:.2f} to {ratios[-1]:.2f}, {len(rounds)} pairs)" if rounds else ""
+    return f"| {name} | {before} | {now} | {median(ratios):.3f}{spread} |"
 
 
 def printed(checkout: Path, job: str) -> float:
@@ -136,8 +148,9 @@ def spent(checkout: Path, arguments: Sequence[str]) -> float:
 
 
 def alone(checkout: Path) -> dict[str, str]:
-    """The environment of a job: one thread, and the packages of its checkout before any others."""
-    return {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(checkout)}
+    """The environment of a job: one thread, byte code, and the packages of its checkout before any others."""
+    known = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return {**known, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(checkout)}
 
 
 if __name__ == "__main__":
