@@ -46,7 +46,7 @@ class Equation:
         return self._difference(self.read or self.text, symbols)
 
     def corrected(self, symbols: Symbols) -> Difference:
-        """The same as it should be, where there is a correction."""
+        """The left side less the right one, as corrected or as meant."""
         return self._difference(self.meant or self.correction, symbols)
 
     def branched(self, symbols: Symbols) -> Difference:

@@ -74,7 +74,7 @@ class RubbingPin(RubbingContact):
         return X / (size + TINY)
 
     def first_known(self, friction: PinFriction, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
-        """That of the pin's later body; where that carries the pin, of the first that hangs on it."""
+        """The group of the pin's later body; where that body carries the pin, of the first body that hangs on it."""
         pin = friction.pin(balance.scene)
         # The pin's force on its later body is known as soon as that body's group is balanced. If that body carries the
         # pin, its force follows from the bodies that hang on it, the last of which is balanced with the lowest number.
@@ -121,7 +121,7 @@ class RubbingGuide(RubbingContact):
         return chosen(np.abs(X.real) < np.abs(X.imag), 1j * across, along)
 
     def first_known(self, friction: GuideFriction, balance: "FrictionBalance", group_of: Mapping[str, int]) -> int:
-        """That of the later of slider and carrier."""
+        """The group of the later of slider and carrier."""
         return max(group_of[body] for body in friction.joined(balance.scene))
 
     def motion(self, friction: GuideFriction, balance: "FrictionBalance") -> tuple[Any, Any]:

@@ -128,7 +128,7 @@ class Loads:
         return w, bound
 
     def picked(self, rows: Any) -> "Loads":
-        """Those at the samples marked, each as an array of shape (r,)."""
+        """The loads at the r samples marked, each as an array of shape (r,)."""
 
         def some(values: Any) -> Any:
             return np.broadcast_to(values, rows.shape)[rows]

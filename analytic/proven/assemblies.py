@@ -95,7 +95,7 @@ def assemblies(scene: Scene, position: float | None = None, *, circuits: bool = 
 
 
 def _branches(way: Linkage) -> tuple[Any, ...]:
-    """Those of the dyads."""
+    """The branches of the dyads, in the order of the groups."""
     return tuple(group.branch for group in way.groups if not isinstance(group, Group))
 
 

@@ -189,7 +189,7 @@ def _enclosed(boxes: Boxes, every: Level, attained: Samples, way: float) -> Encl
 
 
 def _first(begins: Samples, ends: Samples, holds: Any, apart: float) -> Span | None:
-    """The first of what some parts of the way are joined to, if there is one, that has what it should; None of none."""
+    """The first interval of the joined parts of the way in which one part holds the condition; None without parts."""
     if not len(begins):
         return None
     # Union of intervals: a new part begins where an interval's begin is beyond the furthest end so far by more than

@@ -11,7 +11,7 @@ MIN_WIDTHS = 64  # of the smallest boxes: one that is no wider is not divided an
 
 
 def why_open(boxes: Boxes, every: Level, begin: float, smallest: float) -> str:
-    """What is open in the first box from a place on: the first of the conditions that may not hold there."""
+    """Which condition is open in the first doubtful box from a place on, and why, for a message."""
     names = [name.partition(" (")[0] for name in boxes.program.conditions]
     box = int((every.doubtful & (every.low == begin)).argmax())
     low, high = every.low[[box]], every.high[[box]]

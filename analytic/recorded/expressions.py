@@ -230,7 +230,7 @@ def jacobian(make: Recorder, rows: Sequence[Expression], variables: Sequence[Exp
 
 
 def _closed(make: Recorder, closed: Expression, d: Mapping[int, Expression]) -> Expression:
-    """What coordinates change by at which C = 0 stays so: J dq = -dC, by the implicit function theorem."""
+    """Changes of the coordinates that keep C = 0: J dq = -dC, by the implicit function theorem."""
     C, J = closed.of[0].at_zero
     given = {expression: d[expression.order] for expression in needed(C) if expression.order in d} | {
         closed: make.constant(0.0)

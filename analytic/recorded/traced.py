@@ -56,7 +56,7 @@ class Traced(NDArrayOperatorsMixin):
         return Traced(self.make, self.x, self.make("negative", self.y))
 
     def astype(self, _: object) -> "Traced":
-        """The same: there is one precision."""
+        """The number itself: a recorded line has one precision."""
         return self
 
     # NumPy's own dispatch records the core: its functions call these instead of computing, so that the formulas are
@@ -101,7 +101,7 @@ def _size(a: Any) -> Traced:
 
 
 def _exponential(exponent: Traced) -> Traced:
-    """That of an imaginary number, exp(i angle)."""
+    """exp(i angle) of an imaginary number, by cosine and sine."""
     assert exponent.x.operation == "constant"
     assert exponent.x.of[0] == 0
     return Traced(exponent.make, exponent.make("cos", exponent.y), exponent.make("sin", exponent.y))

@@ -215,7 +215,7 @@ def _plain(motion: object) -> dict[str, Any]:
 
 
 def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
-    """Return the run, its motion that of the channels asked for, its status corrected where that is not whole."""
+    """Restrict a run's motion to the channels asked for, and correct its status where the motion is not whole."""
     if outcome.motion is None:
         return outcome
     samples, reasons = outcome.motion.samples, outcome.motion.unsupported

@@ -60,7 +60,7 @@ class JudgedPin(JudgedContact):
         return friction.radius * sin(atan(friction.coefficient))
 
     def share(self, friction: PinFriction, size: float) -> float:  # noqa: ARG002
-        """That newton."""
+        """One newton of load for each in the joint."""
         return 1.0
 
 
@@ -85,11 +85,11 @@ class JudgedGuide(JudgedContact):
         return np.asarray(np.abs(normal / 2 - couple / friction.length) + np.abs(normal / 2 + couple / friction.length))
 
     def coefficient(self, friction: GuideFriction) -> float:
-        """Its own."""
+        """The coefficient of friction."""
         return friction.coefficient
 
     def share(self, friction: GuideFriction, size: float) -> float:
-        """That newton, and what its couple has at both ends."""
+        """One newton of load by the normal force, and the newtons of the couple at both ends."""
         return 1 + 2 * size / friction.length
 
 

@@ -59,7 +59,7 @@ class JudgedPin(JudgedJoint):
     """A pin: two distances."""
 
     def equations(self, joint: Pin, _: Scene, arms: Arms) -> Iterator[Constraint]:
-        """Yield that along x and that along y."""
+        """Yield the distance along x, then along y."""
         # A `Constraint` is the place on its first body less that on its second, and its multiplier is a force on its
         # first. A force channel is what the joint's first body does on its second one: so the joint's second body is
         # the constraint's first.
@@ -76,7 +76,7 @@ class JudgedGuide(JudgedJoint):
     """A guide: a distance across it, and a turn."""
 
     def equations(self, joint: Guide, scene: Scene, _: Arms) -> Iterator[Constraint]:
-        """Yield both."""
+        """Yield the distance, then the turn."""
         slider, on = joint.slider, joint.slide.on
         # The direction is that of the guide turned by +90 degrees in the frame of what has the guide, and turns with
         # that.
@@ -95,7 +95,7 @@ class JudgedTurningDrive(JudgedJoint):
     """A drive of an angle: a turn."""
 
     def equations(self, joint: TurningDrive, _: Scene, __: Arms) -> Iterator[Constraint]:
-        """Yield it."""
+        """Yield the turn of the body against the other."""
         yield _turned(joint.drive.body, joint.drive.on)
 
     def acts(self, joint: TurningDrive, state: MotionVectors) -> Iterator[Between]:
@@ -118,7 +118,7 @@ class JudgedSlidingDrive(JudgedJoint):
     """A drive along a guide: a distance along that."""
 
     def equations(self, joint: SlidingDrive, scene: Scene, _: Arms) -> Iterator[Constraint]:
-        """Yield it."""
+        """Yield the displacement along the guide."""
         body, slide = joint.drive.body, scene.slides[joint.drive.body]
         yield Constraint(body, slide.on, 0, _through(scene, slide), complex(*slide.along), slide.on)
 

@@ -50,7 +50,7 @@ def units(reference: Reference) -> Units:
 
 
 def suited(file_units: FileUnits, sizes: Iterable[tuple[str, float]]) -> Units:
-    """The same by a file's units, and sizes in SI, each with its unit."""
+    """Units of a page by those of a file, and by sizes in SI, each with its SI unit."""
     of_file = _of_file(file_units)
     peaks = dict.fromkeys(of_file, 0.0)
     for si, value in sizes:

@@ -149,11 +149,11 @@ class PressForce(Load):
         return push(self.force, slide)
 
     def settled(self, scene: "Scene") -> "PressForce":
-        """The same force, which its slider closes against."""
+        """The force with the sense of closing that its numbers now have."""
         return replace(self, closing=closing_sense(self.force, scene.slides[self.body]))
 
     def demands(self, scene: "Scene", place: str) -> Iterator[Demand]:
-        """Yield that it has a part along the guide."""
+        """Yield the demand of a part along the guide."""
         if slide := scene.bodies[self.body].slide:
             text = f"{place}.force: expected a part along the guide, which the slider closes against, found {{:g}}"
             yield Demand(text, (part := push(self.force, slide)) != 0, (part,))
@@ -220,7 +220,7 @@ class TableForce(Load):
         return push(self.direction, slide) * self.table.largest
 
     def demands(self, scene: "Scene", place: str) -> Iterator[Demand]:
-        """Yield that its direction has a length, and what its table has to be."""
+        """Yield the demands on the length of its direction and on its table."""
         yield of_size(f"{place}.along: expected a direction of a size", np.hypot(*self.along))
         yield from super().demands(scene, place)
 
@@ -256,7 +256,7 @@ class Moment(Load):
         return "the moment on {place}"
 
     def strength(self, size: float, rate: float) -> float:  # noqa: ARG002
-        """That on an arm as long as the linkage."""
+        """The force, N, that has the moment on an arm as long as the linkage."""
         return float(np.abs(self.table.values if self.table else self.moment or 0.0).max()) / size
 
 

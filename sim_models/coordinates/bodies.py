@@ -33,7 +33,7 @@ class MovingBody(NamedTuple):
         return self.origin + self.turn * arm
 
     def at(self, arm: Any) -> tuple[Any, Any, Any]:
-        """Return that and its derivatives, m/s and m/s^2."""
+        """Return where a place of its frame is, m, and the derivatives by the time, m/s and m/s^2."""
         r = self.turn * arm
         acceleration = self.acceleration + (1j * self.alpha - self.omega**2) * r
         return self.origin + r, self.velocity + 1j * self.omega * r, acceleration

@@ -104,7 +104,7 @@ class JointFriction:
         return y
 
     def _newton(self, y: Array, r0: Array, K: Array, sense: Array, factor: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Solve (1) with a factor from a y near; and where that is the solution which no other has met since 0."""
+        """Solve (1) at a factor from a y near; and where the branch has met no other solution since the factor 0."""
         factors = factor[:, np.newaxis]
         c = sense * self._slope * factors / np.sqrt(1 + (self._bend * factors) ** 2)
         closes, unit = np.zeros(len(y), dtype=bool), np.eye(y.shape[1])

@@ -75,7 +75,7 @@ def own_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
 
 
 def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
-    """Take them with ballast at pins to the ground and to the driven body, which is moved; Failure as of these."""
+    """The inertias with ballast at pins to the ground and the driven body, which is moved; Failure as of the own."""
     moved = {name: Inertia(b.com, b.mass, b.inertia) for name, b in rigids.items() if name not in scene.driven}
     extra = BALLAST * sum(body.mass for body in rigids.values())
     for name, pin in held(scene).items():

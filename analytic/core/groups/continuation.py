@@ -216,7 +216,7 @@ def misfit(scene: Scene, group: Group, equations: GroupEquations, q: Samples, pl
 
 
 def comes_back(q: Samples) -> NDArray[np.bool_]:
-    """Whether the last of poses, shape (..., N, m), is the first one again but for whole turns, shape (...)."""
+    """Whether the last of N poses, shape (..., N, m), is the first one up to whole turns, shape (...)."""
     last, first = (np.exp(1j * q[..., row, 2::3]) for row in (-1, 0))
     return np.asarray(np.abs(last - first).max(axis=-1) <= SAME_POSE_TOL)
 

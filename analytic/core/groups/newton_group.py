@@ -59,7 +59,7 @@ def refine(correction: Correction, q: Samples, size: float | Samples) -> tuple[S
 
 
 def correction(equations: GroupEquations, placed: FramePoses) -> Correction:
-    """That of a group's coordinates, by its equations."""
+    """Newton's correction of a group's coordinates, by its equations."""
 
     def move(q: Samples) -> Samples:
         pose = equations.pose(q, placed)

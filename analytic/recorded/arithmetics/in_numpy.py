@@ -54,7 +54,7 @@ class NewtonsMethod:
         return np.moveaxis(np.where(closes[..., np.newaxis], q, np.nan), -1, 0)
 
     def correction(self, outer: Sequence[Any] | Samples) -> Correction:
-        """That of the coordinates, shape (m, n, k), by their equations."""
+        """Newton's correction of the coordinates, shape (m, n, k), by their equations."""
         return lambda q: solved(*reversed(self._equations(q, outer))).reshape(q.shape)
 
     def _equations(self, q: Samples, outer: Sequence[Any] | Samples) -> tuple[Samples, Samples]:
@@ -68,7 +68,7 @@ class NewtonsMethod:
 
 
 def function_of(expressions: Sequence[Expression], known: Mapping[int, str] = MappingProxyType({})) -> Any:
-    """The function of what is given, by name (of those `known`, by order), and of an array for the values in rows."""
+    """Compile expressions: a function of inputs by name (those `known`, by order) that fills an array's rows."""
     code = _Code(expressions, known)
     run: dict[str, Any] = {"np": np, "inf": inf, "nan": nan, "solutions": solutions, **code.methods}
     exec(compile("\n".join(code.lines), "<straight line>", "exec"), run)  # of names made here alone

@@ -135,7 +135,7 @@ class MachineCode:
 
 
 def operations(expressions: Sequence[Expression]) -> int | None:
-    """How many operations expressions are; None where some are none of machine code."""
+    """The number of operations in expressions; None where machine code lacks one of them."""
     made = {expression.operation for expression in needed(expressions)}
     return None if made & {"system", "closed"} else len(needed(expressions))
 

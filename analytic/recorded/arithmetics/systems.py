@@ -44,7 +44,7 @@ class Matrix:
 
 
 class Matrices:
-    """Matrices over boxes, as models of those of their entries that are not zero."""
+    """Matrices over boxes: models of the entries that are not zero."""
 
     def __init__(self, places: Matrix, entries: TaylorModel) -> None:
         self.places, self.entries = places, entries

@@ -124,7 +124,7 @@ def point(value: Any, like: int, error: Any = 0.0) -> TaylorModel:
 
 
 def joined(models: Sequence[TaylorModel]) -> TaylorModel:
-    """Those of all boxes of several."""
+    """One model of the boxes of several, in their order."""
     return TaylorModel(*(np.concatenate([getattr(model, x) for model in models], axis=-1) for x in ("c", "rest")))
 
 
