@@ -12,6 +12,8 @@ import pytest
 from compare.engines import registry
 from compare.engines.registry import settings_of
 from compare.engines.runner import Run
+from compare.judge.canaries import canaries
+from compare.judge.canaries.noticed import Noticed, Thinned
 from compare.judge.checks import checks
 from compare.judge.errors import ChannelError, compare, error_table, shown_groups
 from compare.judge.measure import Measurement
@@ -44,7 +46,10 @@ def estimated(measured: Measurement) -> float:
 
 @contextmanager
 def only_few_settings() -> Iterator[None]:
-    """Have four settings measured, timed once, and few positions certified, where a test is about something else."""
+    """Have less done where a test is about something else.
+
+    Four settings are measured, and timed once; few positions are certified; of the canaries one is let out.
+    """
 
     def first(engine: str, *, full: bool) -> Mapping[Settings, str]:
         return dict(islice(settings_of(engine, full=full).items(), 4))
@@ -52,7 +57,12 @@ def only_few_settings() -> Iterator[None]:
     def once(first: Sequence[Run], again: Again, _: Budget, *others: Any) -> list[list[Run]]:
         return take_turns(first, again, Budget(1, 0.0), *others)
 
+    def one_canary(thinned: Thinned) -> Iterator[tuple[str, Noticed]]:
+        return islice(every_canary(thinned), 1)
+
+    every_canary = canaries._canaries
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(canaries, "_canaries", one_canary)
         for module in ("measure.speed.speed_table", "study"):
             patch.setattr(f"compare.{module}.settings_of", first)
         patch.setattr("compare.judge.floor.FLOOR_SAMPLES", 12)

@@ -1,5 +1,6 @@
 """What several tests need: the toggle press, its reference, and engines that end as told."""
 
+import os
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -63,6 +64,12 @@ def spread(items: Sequence[pytest.Item], count: int) -> list[pytest.Item]:
 
 
 @pytest.hookimpl(optionalhook=True)  # of pytest-xdist
+def pytest_xdist_auto_num_workers() -> int | None:
+    """Of `-n auto` one more than there are cores: tests that wait for a process or a page leave theirs to others."""
+    return None if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ else (os.cpu_count() or 1) + 1
+
+
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Give each process of the tests whole files, and one of them all pages in a browser, which is started once.
 

@@ -16,9 +16,9 @@ FEW = Sampling(6)
 # Among them dyads of every kind whose inner joint is a slide, larger groups, a drive between bodies, friction, springs.
 EVERY = (
     *("quick_return", "carried_yoke", "cross_slide", "three_at_a_pin"),
-    *(pytest.param(name, marks=SLOW) for name in ("elements", "gas_spring", "swinging_law", "slotted_class_iii")),
-    *(pytest.param(name, marks=SLOW) for name in ("crank_press_friction", "scotch_yoke", "elbow", "driven_toggle")),
-    pytest.param("crank_on_carriage", marks=SLOW),
+    *(pytest.param(name, marks=SLOW) for name in ("elements", "swinging_law", "slotted_class_iii")),
+    *(pytest.param(name, marks=SLOW) for name in ("crank_press_friction", "crank_on_carriage")),
+    *(pytest.param(name, marks=pytest.mark.study) for name in ("gas_spring", "scotch_yoke", "elbow", "driven_toggle")),
 )
 SLIDES = "carried_yoke", "cross_slide"  # their dyads are named by sliders
 OTHERS = ("casadi", "mujoco", "pymunk")

@@ -3,6 +3,7 @@
 from argparse import ArgumentTypeError
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -155,6 +156,14 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     assert verdict.status is status
 
 
+@cache
+def pressing_or_not() -> tuple[Reference, Motion, Motion]:
+    """The reference of the press, and its motion as the press force acts and without it."""
+    pressing = uncertified(PRESS)
+    without = of_scene(pressing, replace(PRESS, loads=()))
+    return pressing, commanded(pressing), commanded(without)
+
+
 @sampled(2)
 @pytest.mark.parametrize("kind", sorted({PRESS.channels[name].quantity for name in PRESS.channels.names(*MOVED)}))
 def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
@@ -162,9 +171,7 @@ def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
 
     The middle sample is the lower dead point, where the press force ends and rounding decides whether it acts.
     """
-    pressing, scene = uncertified(PRESS), PRESS
-    without = of_scene(pressing, replace(scene, loads=()))
-    on, off = (commanded(reference) for reference in (pressing, without))
+    (pressing, on, off), scene = pressing_or_not(), PRESS
     on_switch = np.arange(SAMPLING.count) == SAMPLING.count // 2
     (may,) = pressing.acts(on)
     assert np.array_equal(on_switch, may.any(axis=0) & ~may.all(axis=0))

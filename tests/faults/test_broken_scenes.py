@@ -98,9 +98,16 @@ def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_E
     return "ran"
 
 
+def cases() -> Iterator[Any]:
+    """Every scene in every way; those that take long in every fourth way, and the rest in the study."""
+    for name in WHOLE:
+        for number, how in enumerate(INSTEAD):
+            seldom = SLOW if number % 4 == 0 else pytest.mark.study
+            yield pytest.param(name, how, id=f"{name}-{how}", marks=seldom if name in LATER else ())
+
+
 @sampled(5)
-@pytest.mark.parametrize("how", INSTEAD)
-@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW if name in LATER else ()) for name in WHOLE])
+@pytest.mark.parametrize(("name", "how"), [*cases()])
 def test_one_thing_broken(name: str, how: str, tmp_path: Path) -> None:
     ends = []
     engines = registry.DEFAULT_ENGINES if name in BROKEN_EVERYWHERE else (registry.REFERENCE,)

@@ -12,6 +12,8 @@ from scenes import InputError, Scene
 from tests import scene_files
 from tests.comparisons import SLOW, sampled
 
+pytestmark = pytest.mark.usefixtures("few_settings")
+
 
 def with_law(*times: float) -> scene_files.Changes:
     """Return the lever's drive by four rows of the cubic t (t - 3)^2 deg, which is largest, 4 deg, after 1 s."""

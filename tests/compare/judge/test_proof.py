@@ -19,6 +19,8 @@ from scenes.model.enclosures import Enclosure, Enclosures
 from tests import scene_files
 from tests.comparisons import SLOW, sampled
 
+pytestmark = pytest.mark.usefixtures("few_settings")
+
 FEW = Sampling(samples=8)
 # The slider-crank's rod is 3 m, its crank 1 m: B runs from 2 to 4 m.
 LIMITS = {"limits": {"B.x": {"least": 1.9, "most": 3.9}, "A.speed": {"most": 1e3}, "transmission": {"least": 0.1}}}

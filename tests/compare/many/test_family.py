@@ -21,6 +21,8 @@ from tests.pages import unpacked, without_scripts
 
 from .runs import CRANK_SLIDER, run
 
+pytestmark = pytest.mark.usefixtures("few_settings")
+
 
 def test_the_files_of_a_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rod, offset = "bodies.rod.lengths.A-B", "bodies.slider.slides.through.1"

@@ -30,6 +30,8 @@ from tests.killed import of_session
 
 from .runs import CRANK_SLIDER
 
+pytestmark = pytest.mark.usefixtures("few_settings")
+
 ROOT = Path(__file__).parents[3]
 SPEEDS = ("--vary", "drive.speed=10:50:5", "--samples", "72")
 

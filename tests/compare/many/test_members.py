@@ -23,6 +23,8 @@ from tests.comparisons import SLOW, sampled
 
 from .runs import CRANK_SLIDER, ROCKER, one, run
 
+pytestmark = pytest.mark.usefixtures("few_settings")
+
 
 def test_members_that_cannot_run_are_rows_in_their_place() -> None:
     family = run("toggle_press", [f"{ROCKER}=-100:500:7"])

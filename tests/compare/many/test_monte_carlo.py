@@ -24,6 +24,8 @@ from tests.pages import unpacked, without_scripts
 
 from .runs import alone
 
+pytestmark = pytest.mark.usefixtures("few_settings")
+
 VARIATIONS = [
     {"path": "bodies.crank.lengths.O-A", "plus_minus": 0.3},
     {"path": "bodies.rod.lengths.A-B", "plus_minus": 0.6, "distribution": "uniform"},

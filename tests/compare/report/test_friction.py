@@ -11,17 +11,19 @@ from compare.report.pages.report import page
 from compare.report.tables.friction import by_joint, losses, sentences
 from compare.study import Study, judged
 from scenes import Sampling, load
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, only_few_settings
 
 
 @pytest.fixture(scope="module")
 def drawer() -> Study:
-    return Study.of(judged(load("sticking_drawer"), ["analytic"], Sampling(36)))
+    with only_few_settings():
+        return Study.of(judged(load("sticking_drawer"), ["analytic"], Sampling(36)))
 
 
 @pytest.fixture(scope="module")
 def press() -> Study:
-    return Study.of(judged(load("toggle_press_friction"), ["analytic"], Sampling(72)))
+    with only_few_settings():
+        return Study.of(judged(load("toggle_press_friction"), ["analytic"], Sampling(72)))
 
 
 def test_the_drawer_s_losses_are_those_of_a_constant_pull(drawer: Study) -> None:

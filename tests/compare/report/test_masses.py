@@ -12,6 +12,8 @@ from compare.report.tables import study as tables
 from tests import scene_files
 from tests.comparisons import Studies
 
+pytestmark = pytest.mark.usefixtures("few_settings")
+
 BAR = {"mass [kg]": 10, "com x [m]": 0.5, "com y [m]": 0.0, "inertia [kg*m^2]": 10 / 12}
 RULE = "uniform bar from A to C"
 
