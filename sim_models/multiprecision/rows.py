@@ -71,6 +71,8 @@ class EquationRows:
         """Add the projection w·p of a body's point p = r + e^{iθ} s to a row, s being the `arm` in the body's frame."""
         self.C[row, 3 * body] += weight.real
         self.C[row, 3 * body + 1] += weight.imag
+        # w·p = Re(conj(w) p) with p = r + e^{iθ} s: the part with r is linear and goes into C, conj(w) s is the entry
+        # of W.
         self._levers[row, body] = self._levers.get((row, body), acb(0)) + weight.conjugate() * arm
 
     def add_guide(self, row: int, direction: acb, carrier: int, slider: int) -> None:
@@ -99,6 +101,8 @@ class EquationRows:
         turns = _turns(q)
         B = {(row, body): -(lever * turns[body]).imag for (row, body), lever in self._levers_at(q).items()}
         for guide in self._guides:
+            # (e^{iθ} n)·d is differentiated by d alone: its derivative by the carrier's angle is that of W, which is
+            # linear in d and stands in the first part of B. The columns are those of d / L, hence the factor L.
             turned = self._size * (guide.direction * turns[guide.carrier])
             B[guide.row, guide.column], B[guide.row, guide.column + 1] = turned.real, turned.imag
         return B
@@ -160,6 +164,8 @@ def _turns(q: arb_mat) -> list[acb]:
 
 def solved(groups: Sequence[DiagonalBlock], matrix: arb_mat, right: arb_mat, **how: Any) -> arb_mat:
     """The solution, column by column, by forward substitution; ZeroDivisionError where no block is proven regular."""
+    # Forward substitution: what is known of the groups before goes to the right side, and each group is eliminated by
+    # itself. The work grows with the number of the groups, not with its cube.
     if right.nrows() <= MAX_AT_ONCE:
         return matrix.solve(right, **how)
     every = range(right.ncols())

@@ -13,6 +13,9 @@ from .cause import Cause
 NEAR_ONE_TOL = 0.01 + 1e-9  # a factor that is no farther from one is shown in per cent
 NEAR_TOL = 5e-3  # of a number: it is missing, or of the opposite sign; of a body's length: the centre of mass is there
 NEAR_INERTIA_TOL = 2e-2  # of a moment of inertia: it is that of something else
+# By the number of points that span a uniform body, and by how much of itself its moment of inertia is too large. A bar
+# has m l^2 / 12: about its end m l^2 / 3, four times as much; as two point masses m l^2 / 4, three times. A triangular
+# plate has m (a^2 + b^2 + c^2) / 36, and as three point masses four times that.
 INERTIAS = {2: {3.0: "that about its end", 2.0: "that of two points"}, 3: {3.0: "that of three points"}}
 MISSING = "missing"
 NEAR_ZERO_TOL = 1e-3  # of a vector, or of a speed
