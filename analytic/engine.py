@@ -17,6 +17,7 @@ from .core.contacts import CONTACTS
 from .core.decomposition import Linkage
 from .core.dyads import Vectors, cross, turned
 from .core.elements import RULES
+from .core.groups.joints import KINDS as JOINTS
 from .core.kinematics import kinematics
 from .core.placing import Kinematics
 from .solve import Solver, solver
@@ -38,7 +39,7 @@ def _differences(steps: int) -> AnalyticSettings:
     return AnalyticSettings(f"differences {steps}", steps=steps, family="differences", order=2, note=note)
 
 
-KINDS = kinds_of((*RULES, *CONTACTS)) | DRIVES
+KINDS = kinds_of((*RULES, *CONTACTS, *(joint.of for joint in JOINTS))) | DRIVES
 MIN_SPRING_LENGTH = 1e-12  # of the longest arm: a shorter one's direction is round-off
 DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (

@@ -23,9 +23,9 @@ LISTS: Mapping[str, type[ElementTable]] = MappingProxyType(
 TYPES = tuple(kind for table in LISTS.values() for kind in table.kinds)
 
 
-def kinds_of(types: Iterable[type[Element]]) -> frozenset[str]:
-    """The kinds of elements of some types, as of those in a model's registry."""
-    return frozenset(kind.kind for kind in types)
+def kinds_of(types: Iterable[type]) -> frozenset[str]:
+    """The kinds of elements of some types, as of those in a model's registries; other types have none."""
+    return frozenset(kind.kind for kind in types if issubclass(kind, Element))
 
 
 PLAIN_KINDS = kinds_of(kind for kind in TYPES if kind.plain)  # of an engine that does not tell its own

@@ -14,8 +14,9 @@ from scenes.model.engine import Simulation
 
 from ..coordinates.settings import NEWTON, PoseSettings, rung
 from .elements import RULES
+from .joints import RULES as JOINTS
 
-KINDS = kinds_of(RULES)
+KINDS = kinds_of((*RULES, *JOINTS))
 DEFAULT = NEWTON
 at_steps = partial(rung, PoseSettings, "Runge-Kutta", 4)
 WORK_PRECISION = (*map(at_steps, (72, 144, 360, 720)), DEFAULT)

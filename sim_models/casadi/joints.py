@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from casadi import vertcat
-
 from scenes.joints import Guide, Joint, Pin, SlidingDrive, TurningDrive
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # which kinds there are rules for is asked without CasADi too
     from .linkage import SymbolicLinkage
 
 
@@ -18,6 +16,8 @@ def _pin(joint: Pin, linkage: SymbolicLinkage) -> Any:
 
 
 def _guide(joint: Guide, linkage: SymbolicLinkage) -> Any:
+    from casadi import vertcat
+
     on, slider = joint.ends
     return vertcat(linkage.slid(slider, across=True), linkage.angle(slider) - linkage.angle(on))
 

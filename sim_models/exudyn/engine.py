@@ -14,9 +14,10 @@ from scenes.model.engine import Simulation
 from . import settings as named
 from .contacts import CONTACTS
 from .elements import RULES
+from .joints import RULES as JOINTS
 from .settings import ExudynSettings, Pointwise
 
-KINDS = kinds_of((*RULES, *CONTACTS)) | DRIVES
+KINDS = kinds_of((*RULES, *CONTACTS, *JOINTS)) | DRIVES
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
 at_steps = named.at_steps

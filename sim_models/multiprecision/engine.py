@@ -20,8 +20,9 @@ from scenes.model.engine import Simulation
 
 from .contacts import CONTACTS
 from .elements import RULES
+from .joints import RULES as JOINTS
 
-KINDS = kinds_of((*RULES, *CONTACTS)) | DRIVES
+KINDS = kinds_of((*RULES, *CONTACTS, *JOINTS)) | DRIVES
 
 
 @dataclass(frozen=True)

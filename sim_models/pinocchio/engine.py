@@ -13,10 +13,11 @@ from scenes import Request, Scene
 from scenes.elements import kinds_of
 from scenes.model.engine import Simulation
 
+from ..coordinates.joints import RULES as JOINTS
 from ..coordinates.loads import RULES
 from ..coordinates.settings import NEWTON, PoseSettings, rung
 
-KINDS = kinds_of(RULES)
+KINDS = kinds_of((*RULES, *JOINTS))
 DEFAULT = NEWTON
 at_steps = partial(rung, PoseSettings, "Baumgarte", 2, drive_promise=0.1)
 WORK_PRECISION = (*map(at_steps, (72, 144, 360, 720)), DEFAULT)

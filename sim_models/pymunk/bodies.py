@@ -76,8 +76,3 @@ def _mass_properties(body: Body, points: Mapping[str, complex]) -> tuple[complex
         case triangle:
             inertia = pymunk.moment_for_poly(body.mass, triangle)
     return centroid, body.mass, inertia
-
-
-def pair(vector: complex) -> tuple[float, float]:
-    """A vector as a pair of numbers, as pymunk takes it."""
-    return vector.real, vector.imag

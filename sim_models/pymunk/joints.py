@@ -17,8 +17,7 @@ from scenes.drive import Drive
 from scenes.joints import DriveJoint, Guide, Joint, Pin, SlidingDrive, TurningDrive
 from scenes.model.motion import Samples
 
-from .bodies import pair
-from .planes import ComplexArray, PoseArray, planes, point_gradients
+from .planes import ComplexArray, PoseArray, pair, planes, point_gradients
 
 if TYPE_CHECKING:  # which kinds there are rules for is asked without pymunk too
     import pymunk

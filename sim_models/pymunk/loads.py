@@ -19,11 +19,10 @@ from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Force, TorsionSpring
 
-from .bodies import pair
 from .constraints import LinkageConstraints
 from .elements import RULES, BodyForce, Instant, Situation
 from .masses import fictitious_masses
-from .planes import PoseArray, planes, with_ground
+from .planes import PoseArray, pair, planes, with_ground
 from .space import Bodies
 from .start import MAX_SCENES, DrivePlace, begun, move, rates, start, way
 

@@ -25,3 +25,8 @@ def point_gradients(r: ComplexArray) -> ComplexArray:
     gradients = np.empty((*r.shape, 3), dtype=np.complex128)
     gradients[..., 0], gradients[..., 1], gradients[..., 2] = 1, 1j, 1j * r
     return gradients
+
+
+def pair(vector: complex) -> tuple[float, float]:
+    """A vector as a pair of numbers, as pymunk takes it."""
+    return vector.real, vector.imag

@@ -18,10 +18,9 @@ from pymunk.batch import BodyFields, Buffer, get_space_bodies
 from scenes import Failure, Status
 from scenes.scene import GROUND, ConstantSpeed
 
-from .bodies import pair
 from .constraints import LinkageConstraints, solved
 from .joints import DRIVE, RULES
-from .planes import PoseArray
+from .planes import PoseArray, pair
 from .settings import PymunkExtra
 
 MAX_AIMS = 6  # at most; each is off by a hundredth of the one before, by how far a step turns the bodies

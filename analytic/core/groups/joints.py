@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 import scenes.joints
 from scenes import Scene
 from scenes.bodies import GROUND
-from scenes.joints import SlidingDrive, TurningDrive
+from scenes.joints import Guide, Joint, Pin, SlidingDrive, TurningDrive
 
 from ..geometry import as_complex
 from ..numbers import Vector, samples
@@ -50,6 +50,7 @@ class Way(NamedTuple):
 class GroupJoint(ABC):
     """A joint between `body`, and `on`."""
 
+    of: ClassVar[type[Joint]]  # what it is in a scene
     parts: ClassVar[tuple[Part, ...]]
     body: str
 
@@ -89,6 +90,7 @@ class PinJoint(GroupJoint):
     Of the bodies of a group that name a point, all hang on the first.
     """
 
+    of = Pin
     parts = (Part.x, Part.y)
     on: str | None
     point: str
@@ -136,6 +138,7 @@ class PinJoint(GroupJoint):
 class GuideJoint(GroupJoint):
     """A guide: `body` slides on the body `on`, either of which may be placed."""
 
+    of = Guide
     parts = (Part.across, Part.turn)
     on: str
 
@@ -176,7 +179,7 @@ class GuideJoint(GroupJoint):
 class DriveJoint(GroupJoint):
     """A drive of `body` against the body `on`."""
 
-    of: ClassVar[type[scenes.joints.DriveJoint]]  # what it is in a scene
+    of: ClassVar[type[scenes.joints.DriveJoint]]
     on: str
 
     @classmethod

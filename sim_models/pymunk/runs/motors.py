@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Friction
 
-from ..bodies import pair
 from ..constraints import LinkageConstraints
 from ..contacts import CONTACTS
 from ..friction import directions
-from ..planes import PoseArray
+from ..planes import PoseArray, pair
 from ..space import Bodies
 from .stepping import FIRST_SWEEPS, Integration
 

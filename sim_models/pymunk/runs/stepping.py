@@ -11,11 +11,10 @@ from scenes import Failure, ProcessorBudget, Sampling, Scene, Status
 from scenes.model.inputs import inputs_of
 from scenes.scene import ConstantSpeed, Force
 
-from ..bodies import pair
 from ..channels import Motions
 from ..loads import AppliedForces
 from ..masses import Masses, between_bodies, loaded, masses_of, own_masses
-from ..planes import PoseArray
+from ..planes import PoseArray, pair
 from ..settings import ERROR_BIAS, PymunkSettings, TextbookSettings
 from ..space import BatchRecorder, Model, PropertyRecorder
 from ..start import begun, move, rates
