@@ -11,6 +11,7 @@ import numpy as np
 from scenes import Sampling, Scene
 from scenes.arguments import known_names
 from scenes.channels import TO_LOCK, TRANSMISSION, Role, own_channel
+from scenes.joints import DriveJoint, Guide, Pin
 from scenes.model.motion import Samples
 
 from .core.decomposition import Dyad, Linkage, members
@@ -42,6 +43,9 @@ def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple
         for part, name in enumerate(names):
             yield (name,), partial(lambda slider, part, _, on: on.guide[slider][part], slider, part)
     if scene.has_masses:
+        for joint in scene.joints:
+            for channel in () if isinstance(joint, Pin | Guide | DriveJoint) else joint.channels(scene):
+                yield (channel.name,), partial(lambda name, _, on: on.others[name], channel.name)
         yield (known.drive.effort,), lambda _, on: on.effort
         for name in known.names(Role.friction):
             yield (name,), partial(lambda name, _, on: on.friction[name], name)

@@ -26,7 +26,7 @@ class Joint:
 
     @property
     @abstractmethod
-    def ends(self) -> tuple[str, str]:
+    def between(self) -> tuple[str, str]:
         """The two bodies, or the ground: the force channels are what the first does on the second."""
 
     @property
@@ -51,7 +51,7 @@ class Pin(Joint):
     channel: str  # its channels are `<channel>.fx`, `<channel>.fy`: the force of `first` on `second`
 
     @property
-    def ends(self) -> tuple[str, str]:
+    def between(self) -> tuple[str, str]:
         """The two bodies."""
         return self.first, self.second
 
@@ -75,7 +75,7 @@ class Guide(Joint):
     slide: Slide
 
     @property
-    def ends(self) -> tuple[str, str]:
+    def between(self) -> tuple[str, str]:
         """What has the guide, and the slider."""
         return self.slide.on, self.slider
 
@@ -101,7 +101,7 @@ class DriveJoint(Joint):
     drive: Drive
 
     @property
-    def ends(self) -> tuple[str, str]:
+    def between(self) -> tuple[str, str]:
         """What the body is driven against, and the body."""
         return self.drive.on, self.drive.body
 

@@ -113,7 +113,7 @@ class Needed(Protocol):
 # mypy holds each module to it
 ENGINES: tuple[Needed, ...] = (analytic, exudyn, pymunk, casadi, mujoco, pinocchio, multiprecision)
 # Constants that are no part of the protocol.
-OF_THEIR_OWN = {"CONTACTS", "DRIVES", "MIN_SPRING_LENGTH", "NEWTON", "NOTE", "RULES"}
+OF_THEIR_OWN = {"CONTACTS", "DRIVES", "JOINTS", "MIN_SPRING_LENGTH", "NEWTON", "NOTE", "RULES"}
 
 
 def test_every_engine_has_all_of_the_protocol() -> None:

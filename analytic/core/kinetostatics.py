@@ -29,6 +29,7 @@ class Reactions:
     guide: dict[str, tuple[Samples, Samples]] = field(default_factory=dict)  # slider: force, N; moment, N m
     effort: Samples = field(default_factory=lambda: np.zeros(()))  # torque, N m, or force, N
     friction: dict[str, Samples] = field(default_factory=dict)  # by channel, N m or N, and its power
+    others: dict[str, Samples] = field(default_factory=dict)  # by channel, of joints that are neither pins nor guides
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from scenes.elements.loads import (
 )
 from scenes.elements.springs import Damper, PointPair, Spring, TorsionSpring
 from scenes.elements.tables import LoadCurve
+from scenes.joints import Joint
 from scenes.model.inputs import inputs_of, passing
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
@@ -56,7 +57,8 @@ def applied(state: MotionVectors) -> Iterator[Push]:
     """Yield what acts on the bodies from without: loads, springs, friction, gravity."""
     scene = state.scene
     for _, element in scene.listed:
-        yield from of_element(state, element)
+        if not isinstance(element, Joint):
+            yield from of_element(state, element)
     if scene.gravity is not None:
         yield from (weight(state, body) for body in scene.bodies.values())
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 from math import pi, remainder
 
 from ..errors import InputError, nearest, path_in_file
+from ..joints import DriveJoint, Guide, Pin
 from ..limits import POINTS, TURNS, WAVES
 from ..scene import GROUND, Body, HarmonicLaw, MotionLaw, Scene, SegmentedLaw, Vector
 from . import freedoms
@@ -154,6 +155,7 @@ def _of_joints(scene: Scene) -> Iterator[str]:
     """Whether all hangs together, and Gruebler's count: a pin and a slide take two freedoms each, the drive has one."""
     slides = [(name, slide.on) for name, slide in scene.slides.items()]
     joined: dict[str, set[str]] = {name: set() for name in (GROUND, *scene.bodies)}
+    others = [joint for joint in scene.joints if not isinstance(joint, Pin | Guide | DriveJoint)]
     for one, other in (*((pin.first, pin.second) for pin in scene.pins), *slides):
         joined[one].add(other)
         joined[other].add(one)
@@ -170,10 +172,13 @@ def _of_joints(scene: Scene) -> Iterator[str]:
     b, p, s = len(scene.bodies), len(scene.pins), len(slides)
     # Gruebler's (Chebyshev's) criterion for plane linkages. It counts and looks at no length: a linkage that moves
     # because of special lengths, such as a parallelogram with a third crank, is refused here as over-constrained.
-    mobility = 3 * b - 2 * p - 2 * s
+    more = sum(joint.equations for joint in others)
+    mobility = 3 * b - 2 * p - 2 * s - more
     if mobility != 1:
         kind = "under-constrained" if mobility > 1 else "over-constrained"
-        count = f"{b} bodies, {p} pins and {s} slides leave 3*{b} - 2*{p} - 2*{s} = {mobility} degrees of freedom"
+        besides, less = (f", and {len(others)} more joints", f" - {more}") if others else ("", "")
+        left = f"leave 3*{b} - 2*{p} - 2*{s}{less} = {mobility} degrees of freedom"
+        count = f"{b} bodies, {p} pins and {s} slides{besides} {left}"
         cause = freedoms.cause(scene, mobility)
         yield f"bodies: {kind}: {cause}{'' if cause.endswith('?') else ';'} {count}; expected 1, for the drive"
 

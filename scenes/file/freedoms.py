@@ -1,10 +1,10 @@
 """Which bodies the joints leave loose, and what holds bodies twice, where the count of freedoms is wrong.
 
-A joint is two equations of the three coordinates of each of its bodies, the drive is one; the ground has none. Each
-equation is matched to a coordinate that occurs in it (Dulmage and Mendelsohn). Bodies are loose while the drive is held
-whose coordinates are left over, or could be in place of one that is. Where there are too many joints, each body and
-each joint is left out in turn, until the rest is determined. Only joints are counted: that a linkage moves all the same
-because of its lengths, as a parallelogram with a third crank does, is not seen.
+A pin or a slide is two equations of the three coordinates of each of its bodies, the drive is one; the ground has none.
+Each equation is matched to a coordinate that occurs in it (Dulmage and Mendelsohn). Bodies are loose while the drive is
+held whose coordinates are left over, or could be in place of one that is. Where there are too many joints, each body
+and each joint is left out in turn, until the rest is determined. Only joints are counted: that a linkage moves all the
+same because of its lengths, as a parallelogram with a third crank does, is not seen.
 """
 
 from collections import Counter
@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 from typing import NamedTuple
 
+from ..joints import DriveJoint, Guide, Pin
 from ..model.constraints import Pattern, matched
 from ..scene import GROUND, Scene
 
@@ -21,11 +22,12 @@ TRIED = 40  # bodies, and joints, that are left out to see what the rest does
 
 
 class Joint(NamedTuple):
-    """A pin or a slide between two bodies, one of which may be the ground."""
+    """A joint between two bodies, one of which may be the ground."""
 
     name: str  # as messages have it
     first: str
     second: str
+    equations: int = 2
 
 
 def cause(scene: Scene, mobility: int) -> str:
@@ -76,19 +78,23 @@ def _without_number(name: str) -> str:
 
 
 def _joints(scene: Scene, without: str = "") -> list[Joint]:
-    """The pins and slides of a linkage, or of what is left of it without one of its bodies."""
+    """The joints of a linkage but its drive, or of what is left of it without one of its bodies."""
     found = []
     for point, owners in scene.owners.items():
         first, *others = [owner for owner in owners if owner != without] or [""]
         found += [Joint(f"the pin {point} of {first} and {other}", first, other) for other in others]
     slides = [(name, slide.on) for name, slide in scene.slides.items() if without not in (name, slide.on)]
-    return found + [Joint(f"the guide of {name}", on, name) for name, on in slides]
+    found += [Joint(f"the guide of {name}", on, name) for name, on in slides]
+    more = (joint for joint in scene.joints if not isinstance(joint, Pin | Guide | DriveJoint))
+    return found + [Joint(each.label, *each.between, each.equations) for each in more if without not in each.between]
 
 
 def _pattern(scene: Scene, bodies: Iterable[str], joints: Iterable[Joint]) -> Pattern:
     """By equation the coordinates that occur in it: three a body, in order; the equation of the drive is the last."""
     first = {body: 3 * number for number, body in enumerate(bodies)}
-    ends = [(joint.first, joint.second) for joint in joints for _ in range(2)] + [(scene.drive.on, scene.drive.body)]
+    ends = [(joint.first, joint.second) for joint in joints for _ in range(joint.equations)] + [
+        (scene.drive.on, scene.drive.body)
+    ]
     return [[first[body] + k for body in pair if body in first for k in range(3)] for pair in ends]
 
 

@@ -18,12 +18,12 @@ def _pin(joint: Pin, linkage: SymbolicLinkage) -> Any:
 def _guide(joint: Guide, linkage: SymbolicLinkage) -> Any:
     from casadi import vertcat
 
-    on, slider = joint.ends
+    on, slider = joint.between
     return vertcat(linkage.slid(slider, across=True), linkage.angle(slider) - linkage.angle(on))
 
 
 def _turning_drive(joint: TurningDrive, linkage: SymbolicLinkage) -> Any:
-    on, body = joint.ends
+    on, body = joint.between
     return linkage.angle(body) - linkage.angle(on)
 
 

@@ -42,7 +42,7 @@ class CoordinatePin(CoordinateJoint):
 
     def rows(self, joint: Pin, system: System, bodies: Bodies, level: int) -> Sequence[Any]:
         """Return x and y."""
-        first, second = (bodies[body].at(system.arms[body, joint.point])[level] for body in joint.ends)
+        first, second = (bodies[body].at(system.arms[body, joint.point])[level] for body in joint.between)
         return (second - first).real, (second - first).imag
 
     def holds(self, joint: Pin, system: System, bodies: Bodies, multipliers: Sequence[float]) -> Iterator[Wrench]:
@@ -60,7 +60,7 @@ class CoordinateGuide(CoordinateJoint):
 
     def rows(self, joint: Guide, system: System, bodies: Bodies, level: int) -> Sequence[Any]:
         """Return the offset and the angle."""
-        carrier_turn, turn = (bodies[body].turning[level] for body in joint.ends)
+        carrier_turn, turn = (bodies[body].turning[level] for body in joint.between)
         return system.slid(bodies, joint.slider)[level].imag, turn - carrier_turn
 
     def holds(self, joint: Guide, system: System, bodies: Bodies, multipliers: Sequence[float]) -> Iterator[Wrench]:
@@ -82,12 +82,12 @@ class CoordinateTurn(CoordinateJoint):
 
     def rows(self, joint: TurningDrive, _: System, bodies: Bodies, level: int) -> Sequence[Any]:
         """Return the angle."""
-        on, body = (bodies[body].turning[level] for body in joint.ends)
+        on, body = (bodies[body].turning[level] for body in joint.between)
         return (body - on,)
 
     def holds(self, joint: TurningDrive, _: System, __: Bodies, multipliers: Sequence[float]) -> Iterator[Wrench]:
         """Yield the torque on both bodies."""
-        (torque,), (on, body) = multipliers, joint.ends
+        (torque,), (on, body) = multipliers, joint.between
         yield from (Wrench(body, 0j, 0j, torque), Wrench(on, 0j, 0j, -torque))
 
 

@@ -133,7 +133,7 @@ class SpatialPin(ExudynPin):
 
     def add(self, joint: Pin, system: ExudynSystem) -> Any:
         """Hold P2 - P1 at zero in x and y."""
-        markers = [system.at(body, joint.point) for body in joint.ends]
+        markers = [system.at(body, joint.point) for body in joint.between]
         return system.mbs.AddObject(items.SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
 
 

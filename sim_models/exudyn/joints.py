@@ -41,7 +41,7 @@ class ExudynPin(ExudynJoint):
 
     def add(self, joint: Pin, system: "ExudynSystem") -> Any:
         """Hold P2 - P1 at zero, for the point of each body."""
-        markers = [system.at(body, joint.point) for body in joint.ends]
+        markers = [system.at(body, joint.point) for body in joint.between]
         return system.mbs.AddObject(system.items.RevoluteJoint2D(markerNumbers=markers))
 
 
@@ -115,11 +115,11 @@ class ExudynTurningDrive(ExudynDriveJoint):
 
     def markers(self, joint: TurningDrive, system: "ExudynSystem") -> list[Any]:
         """Return markers on both angles."""
-        return [system.coordinate(body, TURN) for body in joint.ends]
+        return [system.coordinate(body, TURN) for body in joint.between]
 
     def position(self, joint: TurningDrive, system: "ExudynSystem", q: Array) -> Any:
         """Return the angle of the body from the other one."""
-        on, body = (system.pose_of(body, q)[1] for body in joint.ends)
+        on, body = (system.pose_of(body, q)[1] for body in joint.between)
         return body - on
 
 

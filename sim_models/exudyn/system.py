@@ -137,7 +137,7 @@ class ExudynSystem:
         return self.rules[type(joint)].add(joint, self)
 
     def _in_coordinates(self, joint: Joint) -> bool:
-        first, second = joint.ends
+        first, second = joint.between
         return isinstance(joint, Pin | Guide) and first == GROUND and second in self.reduced
 
     def _add_body(self, name: str) -> Any:

@@ -65,7 +65,7 @@ class PymunkPins(PymunkJoints):
     """Pins: x and y of second - first."""
 
     def __init__(self, linkage: LinkageConstraints, joints: Sequence[Pin]) -> None:
-        ends = [(body, pin.point) for pin in joints for body in pin.ends]
+        ends = [(body, pin.point) for pin in joints for body in pin.between]
         self._bodies = np.array([linkage.index[body] for body, _ in ends], np.intp).reshape(-1, 2)
         self._arms = np.array([linkage.arm(*end) for end in ends], np.complex128).reshape(-1, 2)
 
@@ -91,9 +91,9 @@ class PymunkPins(PymunkJoints):
         """A pivot; a kinematic crank needs none on the ground."""
         import pymunk
 
-        first, second = (bodies[body] for body in joint.ends)
+        first, second = (bodies[body] for body in joint.between)
         if pymunk.Body.DYNAMIC in (first.body_type, second.body_type):
-            arms = (pair(linkage.arm(name, joint.point)) for name in joint.ends)
+            arms = (pair(linkage.arm(name, joint.point)) for name in joint.between)
             yield InSpace(pymunk.PivotJoint(first, second, *arms), channel=joint.channel)
 
 
@@ -156,7 +156,7 @@ class PymunkGuides(PymunkJoints):
 
         # No two bodies get further apart than all of them in a row; the ends of a groove would be stops.
         reach = 2 * (len(linkage.members) + 1) * linkage.size
-        name, (carrier, slider) = joint.slider, (bodies[body] for body in joint.ends)
+        name, (carrier, slider) = joint.slider, (bodies[body] for body in joint.between)
         if slider.body_type == pymunk.Body.DYNAMIC:
             along = complex(*joint.slide.along)
             foot = 1j * along * (along.conjugate() * (linkage.first_arm(name) - linkage.through(name))).imag
@@ -179,7 +179,7 @@ class PymunkTurningDrives(PymunkDrives):
     """Drives of an angle: that of the body from the other."""
 
     def __init__(self, linkage: LinkageConstraints, joints: Sequence[TurningDrive]) -> None:
-        self._bodies = np.array([[linkage.index[body] for body in joint.ends] for joint in joints], np.intp)
+        self._bodies = np.array([[linkage.index[body] for body in joint.between] for joint in joints], np.intp)
 
     def values(self, q: PoseArray) -> Samples:
         """The angles."""
@@ -199,7 +199,7 @@ class PymunkTurningDrives(PymunkDrives):
         import pymunk
 
         if joint.drive.on != GROUND:
-            on, body = (bodies[name] for name in joint.ends)
+            on, body = (bodies[name] for name in joint.between)
             yield InSpace(pymunk.GearJoint(on, body, 0, 1), DRIVE)
 
 
@@ -244,7 +244,7 @@ class PymunkSlidingDrives(PymunkDrives):
         import pymunk
 
         if joint.drive.on != GROUND:
-            on, body = (bodies[name] for name in joint.ends)
+            on, body = (bodies[name] for name in joint.between)
             end, first = pair(linkage.back_end), pair(linkage.first_arm(joint.drive.body))
             yield InSpace(pymunk.PinJoint(on, body, end, first), DRIVE)
 
