@@ -14,11 +14,11 @@ from .contacts import CONTACTS
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors, Vectors
 
-FAR = 10.0  # sizes of a linkage off the origin, within which its places are rounded by little more than its lengths
-LEAST = 1e-2  # of the largest travel: what a point's own is taken for at least
+MAX_OFF_ORIGIN = 10.0  # sizes of a linkage, within which its places are rounded by little more than its lengths
+MIN_TRAVEL = 1e-2  # of the largest travel: what a point's own is taken for at least
 NOTHING = 1e-12  # of the largest force: what a joint carries that carries but round-off
-SLOW = 1e-6  # of the largest rate: where a joint turns round, within what engines find of its rate
-REST = 1e-6  # of T w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
+RESTING_TOL = 1e-6  # of the largest rate: where a joint turns round, within what engines find of its rate
+STEADY_TOL = 1e-6  # of T w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
 
 
 def scales(
@@ -36,12 +36,12 @@ def scales(
     for slider, (force, moment) in channels.guides.items():
         natural = max(travel[point] for point in mechanics.along_guides[slider]) * peaks[force]
         peaks[moment] = max(peaks[moment], natural)  # often zero by symmetry
-    for one in mechanics.scene.friction:
-        contact = CONTACTS[type(one)]
+    for friction in mechanics.scene.friction:
+        contact = CONTACTS[type(friction)]
         arm = 1.0 if contact.turns else max(travel.values())
-        rate = contact.rate(one, MotionVectors(mechanics.scene, motion))
-        if np.abs(rate).max() <= REST * arm * mechanics.scene.pace:
-            peaks[one.channel(mechanics.scene)] = 0.0  # noise, of a joint that never moves
+        rate = contact.rate(friction, MotionVectors(mechanics.scene, motion))
+        if np.abs(rate).max() <= STEADY_TOL * arm * mechanics.scene.pace:
+            peaks[friction.channel(mechanics.scene)] = 0.0  # noise, of a joint that never moves
     strongest = max((float(term.max()) for term in acting.values()), default=0.0)
     return _kinematic(mechanics, travel) | force_scales(mechanics, motion, travel, peaks, strongest)
 
@@ -77,8 +77,8 @@ def force_scales(
     second = [name for name in motion.samples if name in known and channels[name].order == 2]
     # Nothing accelerates and no force is above round-off: a scale of its peak would make noise of it an error of order
     # one.
-    still = (np.abs(motion[name]).max() <= REST * known[name] for name in second)
-    if largest <= REST * natural and all(still):
+    still = (np.abs(motion[name]).max() <= STEADY_TOL * known[name] for name in second)
+    if largest <= STEADY_TOL * natural and all(still):
         return dict.fromkeys(peaks, min(natural, 1.0) or 1.0)
     largest = largest or 1.0
     return {name: peak if peak > NOTHING * largest else largest for name, peak in peaks.items()}
@@ -143,17 +143,17 @@ def resting(state: MotionVectors) -> NDArray[np.bool_]:
     moving = np.max([np.abs(state.place(point, 1)) for point in scene.moving_points], axis=0)
     inputs = inputs_of(scene, state.motion["time"])
     rates = [inputs.driven(number).rate / drive.law.peak_rate for number, drive in enumerate(scene.drives)]
-    slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= SLOW
-    for one in scene.friction:
-        contact = CONTACTS[type(one)]
-        if one.smooth is None:
-            slow |= np.abs(contact.rate(one, state)) <= SLOW * (turning if contact.turns else moving)
+    slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= RESTING_TOL
+    for friction in scene.friction:
+        contact = CONTACTS[type(friction)]
+        if friction.smooth is None:
+            slow |= np.abs(contact.rate(friction, state)) <= RESTING_TOL * (turning if contact.turns else moving)
     return slow
 
 
-def apart(channel: Channel, one: Samples, other: Samples) -> Samples:
+def apart(channel: Channel, values: Samples, others: Samples) -> Samples:
     """By how much samples of a channel are more than others, directions modulo one turn."""
-    difference = one - other
+    difference = values - others
     return np.remainder(difference + np.pi, 2 * np.pi) - np.pi if channel.is_angle else difference
 
 
@@ -162,15 +162,15 @@ def off_origin(mechanics: Mechanics, motion: Motion) -> Samples:
     points = mechanics.scene.channels.points.values()
     places = [np.hypot(*(motion[name] for name in names.place)) for names in points]
     off: Samples = np.max(places, axis=0) / mechanics.size
-    return np.where(off > FAR, off, 1.0)
+    return np.where(off > MAX_OFF_ORIGIN, off, 1.0)
 
 
 def travels(scene: Scene, motion: Motion) -> dict[str, float]:
-    """The largest distance between two positions of each point of a motion, m, no less than `LEAST` of the largest."""
+    """The largest distance between two positions of each point of a motion, m; at least `MIN_TRAVEL` of the largest."""
     places = {point: names.place for point, names in scene.channels.points.items()}
     known = {point: both for point, both in places.items() if {*both} <= motion.samples.keys()}
     chords = {point: abs(chord(motion[x] + 1j * motion[y])) for point, (x, y) in known.items()}
-    least = LEAST * max(chords.values(), default=0.0)
+    least = MIN_TRAVEL * max(chords.values(), default=0.0)
     return {point: max(travel, least) for point, travel in chords.items()}
 
 
