@@ -41,7 +41,7 @@ class ExudynPin(ExudynContact):
     round = True
 
     def lever(self, friction: PinFriction) -> float:
-        """Its radius."""
+        """The radius of the pin."""
         return friction.radius
 
     def carried(self, friction: PinFriction, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:
@@ -61,7 +61,7 @@ class ExudynGuide(ExudynContact):
     round = False
 
     def lever(self, friction: GuideFriction) -> float:  # noqa: ARG002
-        """None."""
+        """One: friction in a guide is a force."""
         return 1.0
 
     def carried(self, friction: GuideFriction, system: "ExudynSystem", forces: Mapping[str, Array]) -> list[Array]:

@@ -62,15 +62,15 @@ class PymunkPin(PymunkContact):
         return scene.channels.pins[friction.joint(scene)]
 
     def levers(self, friction: PinFriction) -> tuple[float, float]:  # noqa: ARG002
-        """Those components."""
+        """The components of the force count as they are."""
         return 1, 1
 
     def radius(self, friction: PinFriction) -> float:
-        """Its own."""
+        """The radius of the pin."""
         return friction.radius
 
     def largest(self, rates: Largest) -> Samples:
-        """That of all bodies."""
+        """The largest rate of all bodies."""
         return rates.turning
 
     def direct(self, friction: PinFriction, linkage: "LinkageConstraints", slid: NDArray[Any], d: "PoseArray") -> None:  # noqa: ARG002
@@ -79,7 +79,7 @@ class PymunkPin(PymunkContact):
         d[:, linkage.index[second], 2], d[:, linkage.index[first], 2] = 1, -1
 
     def groove(self, friction: PinFriction, linkage: "LinkageConstraints", reach: float) -> Sequence[complex]:  # noqa: ARG002
-        """None."""
+        """A pin has no guide."""
         return ()
 
 
@@ -97,11 +97,11 @@ class PymunkGuide(PymunkContact):
         return 1, 2 / friction.length
 
     def radius(self, friction: GuideFriction) -> float:  # noqa: ARG002
-        """None."""
+        """One: friction in a guide is a force."""
         return 1.0
 
     def largest(self, rates: Largest) -> Samples:
-        """That of all points."""
+        """The largest speed of all points."""
         return rates.moving
 
     def direct(

@@ -112,6 +112,8 @@ class PymunkGuides(PymunkJoints):
         """The offsets and angles."""
         z, turn = planes(q)
         from_carrier = z[:, self.sliders] + self.arms * turn[:, self.sliders] - z[:, self.carriers]
+        # With complex numbers Im(conj(u) d) is the part of d across a unit vector u. Here u turns with the carrier, and
+        # d leads from its centre of mass to the slider's first point.
         offset = (np.conj(self.along * turn[:, self.carriers]) * from_carrier - np.conj(self.along) * self.through).imag
         return np.stack([offset, q[:, self.sliders, 2] - q[:, self.carriers, 2]], axis=-1)
 
@@ -129,6 +131,8 @@ class PymunkGuides(PymunkJoints):
     def swept(joint: Guide, linkage: LinkageConstraints, rows: Samples) -> Iterator[tuple[int, Samples]]:
         """The offset where the groove is met, and the angle that a gear keeps zero."""
         offset, angle = rows
+        # pymunk meets the groove at the foot of the perpendicular from the slider's centre of mass, where turning the
+        # slider does not change the offset: its share of the row, a multiple of the angle's row, is taken off.
         yield JOINT, (offset - offset[3 * linkage.index[joint.slider] + 2] * angle)[None]
         if joint.slider in linkage.scene.turning:
             yield PARALLEL, angle[None]
@@ -138,6 +142,8 @@ class PymunkGuides(PymunkJoints):
         z, turn = planes(q)
         number, arms = np.arange(len(self.sliders)), self.arms * turn[:, self.sliders]
         from_carrier = z[:, self.sliders] + arms - z[:, self.carriers]
+        # w = conj(u) d has the displacement as its real and the offset as its imaginary part. A turn of the carrier by
+        # dθ turns u as well, by which w changes by -i conj(u) d dθ: as if the whole way d turned back.
         along = np.conj(self.along * turn[:, self.carriers])[..., None]
         gradients = np.zeros((len(q), len(number), *q.shape[1:]), np.complex128)
         gradients[:, number, self.sliders] = along * point_gradients(arms)
@@ -229,6 +235,7 @@ class PymunkSlidingDrives(PymunkDrives):
             if drive.on == GROUND:
                 continue
             bar, (body, on) = self._bar(drive, q), (linkage.index[name] for name in (drive.body, drive.on))
+            # The gradient of a length |b| is Re(conj(b / |b|) db).
             back = np.conj(bar / np.abs(bar))[:, None]
             first, end = linkage.first_arm(drive.body), linkage.back_end
             gradients[:, number] = 0

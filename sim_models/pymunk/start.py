@@ -21,7 +21,7 @@ from .constraints import LinkageConstraints
 from .masses import Masses, fictitious_masses
 from .planes import ComplexArray, PoseArray
 
-LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
+MAX_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
 MAX_PART = 1 / 72  # of the drive's range in one continuation step, or of a longer way to it
 MAX_CLOSING = 0.1  # of the sketch's gaps in one continuation step
 MIN_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is singular
@@ -152,7 +152,7 @@ def way(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) ->
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
     low, high = linkage.drive.law.extent
     unit = 1.0 if linkage.drive.slide is None else linkage.size
-    step = min(LARGEST_TURN * unit, MAX_PART * max(high - low, abs(there - here)))
+    step = min(MAX_TURN * unit, MAX_PART * max(high - low, abs(there - here)))
     return _follow(linkage, q, lambda s: (here + s * (there - here), 0.0), step / max(abs(there - here), step))
 
 
