@@ -83,12 +83,12 @@ def positions_of_many() -> list[tuple[str, str, str, str]]:
         scene = scenes.load(chain(9, Path(folder)))
     wanted = {f"{point}.{q}" for point in scene.moving_points for q in "xy"}
     angles, changes = np.linspace(0, 2 * pi, 200), spread(scene, 64)
-    one, many = analytic.solver(scene, wanted), analytic.many_solver(scene, changes, wanted)
+    solve, many = analytic.solver(scene, wanted), analytic.many_solver(scene, changes, wanted)
     fast = analytic.fast_solver(scene, wanted, compiled=True).many_solver(changes)
     fast(angles)
     took = seconds(
         {
-            "long": lambda: one(np.linspace(0, 2 * pi, 72_000)),
+            "long": lambda: solve(np.linspace(0, 2 * pi, 72_000)),
             "solve_many": lambda: analytic.solve_many(scene, changes, angles, channels=wanted),
             "prepared": lambda: many(angles),
             "prepared, machine code": lambda: fast(angles),
@@ -105,11 +105,11 @@ def every_channel() -> list[tuple[str, str, str, str]]:
     scene, angles = scenes.load("toggle_press"), np.linspace(0, 2 * pi, 360)
     wanted = set(scene.channels.names())
     changes, size = spread(scene, 4096), 4096 * 360
-    one, fast = analytic.solver(scene, wanted), analytic.fast_solver(scene, wanted, compiled=True)
+    solve, fast = analytic.solver(scene, wanted), analytic.fast_solver(scene, wanted, compiled=True)
     fast.many(changes, angles)
     took = seconds(
         {
-            "long": lambda: one(np.linspace(0, 2 * pi, 360_000)),
+            "long": lambda: solve(np.linspace(0, 2 * pi, 360_000)),
             "many": lambda: analytic.solve_many(scene, changes, angles, channels=wanted),
             "compiled": lambda: fast.many(changes, angles),
             "writing": lambda: np.full((len(wanted), size), 1.0),

@@ -86,8 +86,8 @@ def generalised(state: MotionVectors, pushes: Iterable[Push], arm: float) -> Sam
         # Moment about the first point: z-component of lever x force, as conj(lever) force has it in its imaginary part.
         lever = push.at - state.place(state.scene.bodies[push.body].points[0])
         turning = (lever.conjugate() * push.force).imag + push.moment
-        own = np.broadcast_arrays(arm * push.force.real, arm * push.force.imag, turning)
-        forces[:, order[push.body]] += np.stack(own, axis=1)
+        acting = np.broadcast_arrays(arm * push.force.real, arm * push.force.imag, turning)
+        forces[:, order[push.body]] += np.stack(acting, axis=1)
     return forces.reshape(len(forces), -1)
 
 
@@ -112,7 +112,7 @@ def _of_turning_force(state: MotionVectors, load: TurningForce) -> Iterator[Push
 
 def _of_press(state: MotionVectors, load: PressForce) -> Iterator[Push]:
     acting = zip(state.acting, state.scene.presses.values(), strict=True)
-    yield _of_load(state, load, next(share for share, one in acting if one is load) * complex(*load.force))
+    yield _of_load(state, load, next(share for share, press in acting if press is load) * complex(*load.force))
 
 
 def _of_guide_force(state: MotionVectors, load: GuideForce) -> Iterator[Push]:
@@ -194,14 +194,14 @@ def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     return places, angles - 2 * pi * ceil((start - pi - HALF_TURN_TOL) / (2 * pi))
 
 
-def _of_pin_friction(state: MotionVectors, one: PinFriction) -> Iterator[Push]:
-    channel = one.channel(state.scene)
-    for body, sign in zip(one.joined(state.scene), (-1, 1), strict=True):
-        yield _turning(state, body, one.at, f"the friction of {channel}", sign * state.motion[channel])
+def _of_pin_friction(state: MotionVectors, friction: PinFriction) -> Iterator[Push]:
+    channel = friction.channel(state.scene)
+    for body, sign in zip(friction.joined(state.scene), (-1, 1), strict=True):
+        yield _turning(state, body, friction.at, f"the friction of {channel}", sign * state.motion[channel])
 
 
-def _of_guide_friction(state: MotionVectors, one: GuideFriction) -> Iterator[Push]:
-    (on, slider), channel = one.joined(state.scene), one.channel(state.scene)
+def _of_guide_friction(state: MotionVectors, friction: GuideFriction) -> Iterator[Push]:
+    (on, slider), channel = friction.joined(state.scene), friction.channel(state.scene)
     body = state.scene.bodies[slider]
     z, v, _ = state.point(body.points[0])
     force, called = state.motion[channel] * state.along(body), f"the friction of {channel}"
@@ -230,8 +230,8 @@ RULES: Mapping[type[Element], Callable[[MotionVectors, Any], Iterator[Push]]] = 
 }
 
 
-def _turning(state: MotionVectors, body: str, at: str, name: str, moment: Samples | float) -> Push:
-    z, v, _ = state.point(at)
+def _turning(state: MotionVectors, body: str, point: str, name: str, moment: Samples | float) -> Push:
+    z, v, _ = state.point(point)
     return Push(body, np.zeros_like(z), z, moment + np.zeros(z.shape), v, name)
 
 
@@ -273,8 +273,8 @@ def magnitudes(mechanics: Mechanics, motion: Motion) -> dict[str, Samples]:
 def of_joints(state: MotionVectors) -> Iterator[Push]:
     """Yield what pins, guides and the drive do on the bodies that they are between."""
     for joint in state.scene.joints:
-        for body, other, at, force, moment in JOINTS[type(joint)].acts(joint, state):
-            both = Push(body, force, at, moment), Push(other, -force, at, -moment)
+        for body, other, place, force, moment in JOINTS[type(joint)].acts(joint, state):
+            both = Push(body, force, place, moment), Push(other, -force, place, -moment)
             yield from (push for push in both if push.body != GROUND)
 
 
