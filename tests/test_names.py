@@ -55,7 +55,14 @@ def test_bounds_are_the_same(name: str) -> None:
 
 @sampled(1)
 @pytest.mark.parametrize("engine", ["exudyn", "pinocchio", *(pytest.param(name, marks=SLOW) for name in OTHERS)])
-@pytest.mark.parametrize("name", ["quick_return", *(pytest.param(name, marks=SLOW) for name in SLIDES)])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "quick_return",
+        pytest.param("carried_yoke", marks=SLOW),
+        pytest.param("cross_slide", marks=pytest.mark.study),
+    ],
+)
 def test_other_models_find_the_same_numbers(engine: str, name: str) -> None:
     pytest.importorskip(registry.ENTRIES[engine].package)
     scene, module = scene_files.load(name), registry.engine(engine)

@@ -51,7 +51,7 @@ def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     return errors(solve(inputs_of(scene, time)), expected)
 
 
-@sampled(4)
+@sampled(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_against_absolute_coordinates(references: References, name: str) -> None:
     reference = references(name)
@@ -71,7 +71,7 @@ def test_slots_from_the_other_side(name: str) -> None:
         assert error.max() <= 1e-13, channel  # as above
 
 
-@sampled(6)
+@sampled(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_against_50_digits(references: References, name: str) -> None:
     """Newton on the constraints from the sketch, and Newton-Euler with multipliers: each channel by its own peak."""

@@ -13,7 +13,7 @@ from compare.report.output import files
 from compare.study import Study
 from scenes.model.motion import header
 from tests import scene_files
-from tests.comparisons import studied
+from tests.comparisons import sampled, studied
 from tests.pages import silent
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def test_scrubbing_moves_the_linkage(report: "Page", press_study: Study) -> None
             assert abs(place - complex(drawing.units(drawing.places[point])[row])) < 0.05, point
 
 
+@sampled(1)
 @pytest.mark.parametrize("name", ["twisted_four_bar", "toggle_press_friction"])
 def test_moments_and_circles_of_friction_leave_the_picture_whole(browser: "Browser", name: str, tmp_path: Path) -> None:
     """Their signs are no forces' arrows: the script goes on past them, to the player."""

@@ -11,7 +11,7 @@ import pytest
 import scenes
 from compare.report.output import files
 from tests.chain import chain
-from tests.comparisons import sampled, studied
+from tests.comparisons import SLOW, studied
 from tests.pages import silent
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def test_every_arrow_has_its_value_and_no_text_lies_on_another(report: "Page") -
     assert labelled_wrongly(report) == []
 
 
-@sampled(1)
+@SLOW
 @pytest.mark.parametrize("width", [390, 1400])
 def test_many_forces_and_long_names_find_room(width: int, browser: "Browser", tmp_path: Path) -> None:
     """Of seventeen links; the text below the picture counts the forces that do not, which are the smaller ones."""

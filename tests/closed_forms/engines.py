@@ -67,5 +67,22 @@ def every(engines: Iterable[Held] = ENGINES) -> pytest.MarkDecorator:
     )
 
 
+def on_each(names: Iterable[str], engines: Iterable[Held]) -> pytest.MarkDecorator:
+    """Each of some engines on each scene, as `held` and `name`.
+
+    A second setting of an engine is on every third scene, each setting on others, and on the rest in the study.
+    """
+    cases = [
+        pytest.param(held, name, id=f"{held.name}-{name}", marks=_second(number + shift) if held.slow else ())
+        for shift, held in enumerate(engines)
+        for number, name in enumerate(names)
+    ]
+    return pytest.mark.parametrize(("held", "name"), cases)
+
+
+def _second(number: int) -> pytest.MarkDecorator:
+    return SLOW if number % 3 == 0 else pytest.mark.study
+
+
 def by_name(*names: str) -> tuple[Held, ...]:
     return tuple(held for held in ENGINES if held.name in names)

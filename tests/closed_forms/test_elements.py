@@ -1,9 +1,7 @@
 """Every engine on loads, springs and drives of every kind, against the formulas of the tables."""
 
 import re
-from collections.abc import Iterator
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from tests.comparisons import SLOW, sampled
 
 from .drives import DRIVES
 from .elements import ELEMENTS
-from .engines import ENGINES, Held, by_name, every
+from .engines import ENGINES, Held, by_name, every, on_each
 from .row import Row, difference, without_elements
 from .springs import SPRINGS
 
@@ -45,16 +43,8 @@ def check(held: Held, row: Row, scene: Scene) -> None:
         assert not np.abs(apart).max() > tolerance * size, (force, np.abs(apart).max() / size)
 
 
-def cases() -> Iterator[Any]:
-    """Every engine on every row; a second setting of an engine on every third one, of each setting others."""
-    for shift, held in enumerate(held for held in ENGINES if held.knows_all):
-        for number, name in enumerate(ROWS):
-            seldom = SLOW if (number + shift) % 3 == 0 else pytest.mark.study
-            yield pytest.param(held, name, id=f"{held.name}-{name}", marks=seldom if held.slow else ())
-
-
 @sampled(40)
-@pytest.mark.parametrize(("held", "name"), [*cases()])
+@on_each(ROWS, [held for held in ENGINES if held.knows_all])
 def test_channels_are_those_of_the_formulas(held: Held, name: str) -> None:
     check(held, ROWS[name], ROWS[name].scene())
 

@@ -17,7 +17,7 @@ from tests.agreement import errors, worst
 from tests.comparisons import sampled
 from tests.friction_scenes import everywhere
 
-from .engines import ENGINES, Held, by_name, every
+from .engines import ENGINES, Held, by_name, every, on_each
 
 SAMPLING = Sampling(12)
 FRICTION = [held for held in ENGINES if held.friction < np.inf]
@@ -56,9 +56,8 @@ def jams(scene: Scene) -> float | None:
     return None
 
 
-@every(FRICTION)
 @sampled(5)
-@pytest.mark.parametrize("name", NAMES)
+@on_each(NAMES, FRICTION)
 def test_every_channel(held: Held, name: str) -> None:
     assert not off(held, everywhere(scene_files.load(name), 0.1)) > held.friction
 

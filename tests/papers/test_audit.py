@@ -15,6 +15,7 @@ from papers import optimise
 from papers.audit import audit, overview, write
 from papers.claims import UNDECIDED, Claim, Verdict, comparison, judge, limit, number
 from papers.written import Equation
+from tests.comparisons import SLOW
 from tests.pages import check_figures
 
 Audited = tuple[dict[str, list[Claim]], list[str]]
@@ -25,6 +26,7 @@ def audited() -> Audited:
     return audit(lambda _: None)
 
 
+@SLOW
 def test_the_files(audited: Audited, tmp_path: Path) -> None:
     folder = write(*audited, tmp_path)
     assert sorted(path.name for path in folder.iterdir()) == ["audit.html", "audit.json"]
@@ -36,6 +38,7 @@ def test_the_files(audited: Audited, tmp_path: Path) -> None:
     assert len(names) == len(set(names)) == sum(map(len, audited[0].values()))
 
 
+@SLOW
 def test_the_page(audited: Audited, tmp_path: Path) -> None:
     claims, notes = audited
     page = (write(claims, notes, tmp_path) / "audit.html").read_text(encoding="utf-8")
@@ -50,6 +53,7 @@ def test_the_page(audited: Audited, tmp_path: Path) -> None:
     assert re.findall(r"<td>(\d+)</td>", shown) == [str(count) for row in counts for count in row]
 
 
+@SLOW
 def test_how_many_claims_came_out_how(audited: Audited) -> None:
     by_reference = {
         source: Counter(claim.verdict for claim in rows if not claim.claim.endswith(("exudyn", "pymunk")))

@@ -12,7 +12,7 @@ from scenes import Sampling
 from scenes.model.motion import Samples
 from scenes.scene import PressForce
 from tests import scene_files
-from tests.comparisons import SLOW
+from tests.comparisons import SLOW, sampled
 
 MANY = 200  # as many loads as a scene may have
 ENGINES = ("analytic", "exudyn", "pymunk", "multiprecision", "casadi", "pinocchio")
@@ -26,6 +26,7 @@ def presses(count: int) -> scene_files.Changes:
     return {"loads": loads, "bodies.rod.mass": 1e-12}
 
 
+@sampled(3)
 @pytest.mark.parametrize("count", [20, pytest.param(MANY, marks=SLOW)])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_many_press_forces_are_those_of_the_power(engine: str, count: int) -> None:
