@@ -32,7 +32,8 @@ settings.load_profile("no leftovers")
 BROWSER = "tests/browser/"
 LONGEST = (
     *(BROWSER, "tests/test_wheel.py", "tests/test_docs.py", "tests/compare/test_library.py"),
-    *("tests/analytic/proven/test_enclosures.py", "tests/faults/test_faults.py", "tests/test_friction_ladder.py"),
+    *("tests/compare/judge/test_promises.py", "tests/test_friction_ladder.py", "tests/faults/test_faults.py"),
+    *("tests/analytic/proven/test_chained.py", "tests/analytic/proven/test_enclosures.py"),
 )
 SLOW_CASES = 2  # times as many as those by default, of a test of many cases
 

@@ -111,8 +111,9 @@ def test_where_a_dyad_does_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.open_at == closed.open_at
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("turned", [0.0, 0.8])
+@pytest.mark.parametrize(
+    "turned", [pytest.param(0.0, marks=pytest.mark.study), pytest.param(0.8, marks=pytest.mark.slow)]
+)
 def test_sixty_one_bodies_are_proven(turned: float) -> None:
     """In parallelograms each rocker is the crank again: B30 is 30 m beside B0."""
     scene = row(30, turned)

@@ -27,7 +27,7 @@ def _records(scenes: Iterable[Scene], sampling: Sampling = SAMPLING) -> list[Pro
     [
         (2, False),
         (1, True),
-        pytest.param(10, True, marks=SLOW),
+        pytest.param(6, True, marks=SLOW),
         pytest.param(60, True, marks=pytest.mark.study),
     ],
 )
