@@ -1,8 +1,11 @@
 """The one place that knows the engines' names, and what they offer. A module is imported when its engine runs."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
+
+import numpy as np
 
 from scenes import Engine, InputError, Inputs, Motion, Scene, Settings, Status
 from scenes.errors import nearest
@@ -15,7 +18,37 @@ from .outside import Entry as Entry
 from .processes.inside import Ended
 
 Solve: TypeAlias = Callable[[Inputs], Motion]
+REMEMBERED, FEW = 4, 4096  # motions, of samples at most
 ByName: TypeAlias = Mapping[str, Samples]  # of channels, or of numbers of the scene file by their paths
+
+
+class Remembering:
+    """A solver that solves nothing twice: every engine's run of few samples is held against the same ones."""
+
+    def __init__(self, solve: Solve) -> None:
+        self.solve = solve
+        self._once = lru_cache(REMEMBERED)(_of_bytes(solve))
+
+    def __call__(self, inputs: Inputs) -> Motion:
+        """The motion at inputs."""
+        if len(inputs.time) > FEW:
+            return self.solve(inputs)
+        arrays = (np.asarray(array, np.float64) for array in (inputs.time, *inputs.derivatives))
+        return self._once(*((array.shape, array.tobytes()) for array in arrays))
+
+    def __reduce__(self) -> tuple[type["Remembering"], tuple[Solve]]:
+        """Have what it remembers stay in this process."""
+        return Remembering, (self.solve,)
+
+
+def _of_bytes(solve: Solve) -> Callable[..., Motion]:
+    """The same of the shapes and the bytes of the arrays of inputs, which can be compared as they are."""
+
+    def solved(*packed: tuple[tuple[int, ...], bytes]) -> Motion:
+        time, *derivatives = (np.frombuffer(content).reshape(shape) for shape, content in packed)
+        return solve(Inputs(time, derivatives))
+
+    return solved
 
 
 class Many(Protocol):

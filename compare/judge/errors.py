@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 from scenes import Motion, Rows, Scene
 from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
-from scenes.scene import ConstantSpeed
 
-from ..engines import registry
 from ..engines.registry import REFERENCE
 from ..engines.runner import INSTANT_TOL
 from ..mechanics.mechanics import SHOWN_GROUPS
@@ -85,9 +83,8 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
     """|dx/dq| of the output point over the drive's position q, but for a constant factor: its speed at a steady one."""
     scene = reference.scene
     if not scene.steady:  # a law's rests are no toggles
-        steady = scene.with_law(ConstantSpeed(1.0, *scene.drive.law.extent))
-        velocity = frozenset(scene.channels.points[scene.output].velocity)
-        motion = registry.reference(steady, velocity)(inputs_in(steady, motion))
+        steady, solve = reference.steadily
+        motion = solve(inputs_in(steady, motion))
     return np.hypot(*(motion[name] for name in scene.channels.points[scene.output].velocity))
 
 

@@ -15,10 +15,11 @@ from ..engines import registry
 from ..engines.reasons import described
 from ..engines.runner import HERE, Run, Runs
 from ..mechanics import axis as units
-from ..mechanics.reference import Floor, Reference, uncertified
+from ..mechanics.mechanics import Mechanics
+from ..mechanics.reference import Floor, Reference, first_cycle
 from ..mechanics.round_off import explain
 from .measure import Measurement, assess
-from .sketch import UnclearSketchError, other_assembly, with_notes, with_sketch
+from .sketch import UnclearSketchError, with_notes, with_sketch
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
 DRIVE = Settings("").drive_promise
@@ -73,10 +74,11 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
         Failure: the reference cannot solve the scene, or its sketch does not show one assembly.
         InputError: the output does not move.
     """
+    mechanics = Mechanics(scene)
     try:
-        reference = uncertified(scene)
+        reference = first_cycle(mechanics)
     except Failure as failure:
-        raise with_sketch(scene, failure) from None
+        raise with_sketch(mechanics, failure) from None
     reference = with_notes(reference)
     sampling = Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
@@ -91,7 +93,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     # itself is suspected first.
     core, oracle = (assess(reference, sampling, run, explained) for run in both)
     if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and reference.rough_sketch:
-        raise other_assembly(reference, registry.ENTRIES[registry.ORACLE].distribution)
+        raise UnclearSketchError(f"{registry.ENTRIES[registry.ORACLE].distribution} takes {reference.rough_sketch}")
     doubt = _doubt(core, oracle)
     if oracle.comparison is None:
         return replace(reference, floor=Floor({}, f"not certified: {oracle.run.reason}", doubt))

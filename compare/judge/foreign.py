@@ -4,7 +4,7 @@ The half of the last decimal explains an error of a channel, and that of the ins
 the checks of the result's own output it explains what they find in the reference, written as the result is.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from scenes import Failure, Instants, Motion, Settings, Status
-from scenes.model.inputs import inputs_of, passing
+from scenes.model.inputs import passing
 from scenes.model.motion import Samples
 
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
@@ -22,9 +22,8 @@ from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import relative_errors, sizes
 from .checks import Check, checks
 from .derived import with_derived
-from .errors import worst_of
 from .measure import Measurement, assess
-from .verdict import BALANCES, share
+from .verdict import BALANCES
 
 if TYPE_CHECKING:
     from ..results.result import Result
@@ -39,19 +38,20 @@ SEED = 20261122
 def assess_result(reference: Reference, result: "Result") -> Measurement:
     """The judgement of a result, at its own instants, in the channels that it has; by a reference in doubt too."""
     request, run, halves = result.request, result.run, result.half_decimals
-    reference = with_derived(reference, request.channels or ())
-    drive = reference.scene.channels.drive.position
+    reference, inputs = with_derived(reference, request.channels or ()), request.inputs(reference.scene)
+    drive, driven = reference.scene.channels.drive.position, inputs.driven()
     if run.motion is not None and drive in halves:
-        placed = _in_place(reference.mechanics, run.motion[drive], request.times(reference.scene), halves[drive])
+        placed = _in_place(reference.mechanics, run.motion[drive], driven.position, halves[drive])
         run = replace(run, motion=Motion({**run.motion.samples, drive: placed}))
         halves = {channel: half for channel, half in halves.items() if channel != drive}
     try:
-        true = reference.at(request.inputs(reference.scene))
-        explained = _explained_by_decimals(reference, request, halves, true)
+        true = reference.at(inputs)
+        explained = _explained_by_decimals(reference, request, halves, true, driven.rate)
     except Failure:  # which is named when it is compared
         return assess(reference, request, run, Explained(np.empty(0), {}))
     promise = (run.settings or Settings("")).promise
-    excused = partial(_excused, reference, halves, true, explained.terms, promise)
+    meanwhile = {**halves, drive: np.abs(driven.rate) * halves["time"]}  # of the drive, by the instants
+    excused = partial(_excused, reference, meanwhile, true, explained.terms, promise)
     held = replace(reference, floor=replace(reference.floor, doubt=""))  # with few channels nothing else is a check
     measured = assess(held, request, run, explained, excused)
     run = measured.run
@@ -62,24 +62,8 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
     return replace(measured, run=run)
 
 
-def coarse(measured: Measurement) -> Iterator[str]:
-    """Yield a sentence where decimals excuse more than an ok result promises, or would excuse more than they may."""
-    run, errors = measured.run, [row for row in measured.errors if row.group != "drive"]  # which is an input
-    if not errors or run.settings is None:
-        return
-    ok = run.status is Status.ok
-    worst = worst_of(errors, "explained" if ok else "unexplained")
-    if ok and worst.explained > run.settings.promise:
-        doubt = f"may be off by {share(worst.explained)} unnoticed"
-        yield f"{run.engine}: {worst.channel} {doubt}, by its decimals or next to a singular configuration"
-    elif not ok and worst.explained >= MAX_EXCUSED:
-        why = "its decimals are of more than the 1 % that they may excuse"
-        yield f"{run.engine}: {worst.channel} is written too coarsely: {why}"
-
-
-def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samples) -> Samples:
+def _in_place(mechanics: Mechanics, position: Samples, asked: Samples, half: Samples) -> Samples:
     """Where the drive is by the time, but for what its decimals, which excuse no other channel, do not explain."""
-    asked = inputs_of(mechanics.scene, time).driven().position
     deviation = position - asked
     left: Samples = np.sign(deviation) * np.maximum(
         np.abs(deviation) - np.minimum(half, MAX_EXCUSED * mechanics.way), 0.0
@@ -87,24 +71,26 @@ def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samp
     return asked + left
 
 
-def _explained_by_decimals(reference: Reference, request: Instants, halves: Halves, true: Motion) -> Explained:
+def _explained_by_decimals(
+    reference: Reference, request: Instants, halves: Halves, true: Motion, rate: Samples
+) -> Explained:
     """Errors that round-off and decimals explain, at the instants of a result."""
-    moved, explained = _meanwhile(reference, halves["time"], true), explain(reference, request)
-    written: dict[str, Samples] = {}
+    moved, off = _meanwhile(reference, halves["time"], true, rate), dict[str, Samples]()
     for channel in reference.mechanics.groups:
         row = reference.scene.channels[channel]
         both = row.components if row.axis else (channel,)
         # Both components of a vector are rounded: its error is bounded by the norm of their halves.
         half = np.linalg.norm([halves[c] for c in both if c in halves] or [np.zeros(1)], axis=0)
-        relative = half / sizes(true, row, reference.scale[channel]) + moved.get(channel, 0.0)
-        written[channel] = np.minimum(relative, MAX_EXCUSED * np.maximum(explained.terms.get(channel, 1.0), 1.0))
-    return replace(explained, written=written)
+        off[channel] = half / sizes(true, row, reference.scale[channel]) + moved.get(channel, 0.0)
+    explained = explain(reference, request)
+    most = {channel: MAX_EXCUSED * np.maximum(explained.terms.get(channel, 1.0), 1.0) for channel in off}
+    return replace(explained, written={channel: np.minimum(off[channel], most[channel]) for channel in off})
 
 
-def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, Samples]:
+def _meanwhile(reference: Reference, time: Samples, true: Motion, rate: Samples) -> dict[str, Samples]:
     """How far each channel moves while the instants are off as written, relative, shape (n,)."""
     scene, moved = reference.scene, dict[str, Samples]()
-    position = np.abs(inputs_of(scene, true["time"]).driven().rate) * time
+    position = np.abs(rate) * time
     for sign in (1, -1) if position.any() else ():
         with suppress(Failure):  # beyond the end of the drive
             there = true[scene.channels.drive.position] + sign * position
@@ -119,8 +105,6 @@ def _excused(
 ) -> list[Check]:
     """What checks find in a result's own motion; nothing where they find it in the reference's as it may be written."""
     draw, complete = np.random.default_rng(SEED), given.samples.keys() >= reference.mechanics.units.keys()
-    way = np.abs(inputs_of(reference.scene, true["time"]).driven().rate) * halves["time"]  # of the drive meanwhile
-    halves = {**halves, reference.scene.channels.drive.position: way}
     # The reference written as the result is: random errors within the half decimals. What a check finds in that, times
     # a factor for chance, is what decimals excuse in the result.
     rounded = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in given.samples}

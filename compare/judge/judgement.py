@@ -19,6 +19,7 @@ from ..mechanics.round_off import Explained, explain
 from ..mechanics.scales import relative_errors
 from .agreement import Judgement
 from .errors import worst_of
+from .foreign import MAX_EXCUSED, assess_result
 from .measure import Measurement, escalated, measure
 from .plausibility import remarks
 from .verdict import doubted_core, judged, share
@@ -58,8 +59,6 @@ def judgement(
             reasons.extend(beyond(measured, explained))
             yield measured
         for result in results:
-            from .foreign import assess_result, coarse  # late, as what few runs need
-
             progress(f"comparing {result.run.engine}")
             reasons.extend(result.notes)
             assessed = assess_result(reference, result)
@@ -129,3 +128,18 @@ def beyond(measured: Measurement, explained: Explained) -> Iterator[str]:
         row = worst_of(too_far, "commanded_max")
         error = f"{row.channel} is off by {share(row.commanded_max)} where {run.settings.promise:g} is promised"
         yield f"{run.engine}: {error}: round-off explains up to {share(row.explained)}, {explained.why(row.channel)}"
+
+
+def coarse(measured: Measurement) -> Iterator[str]:
+    """Yield a sentence where decimals excuse more than an ok result promises, or would excuse more than they may."""
+    run, errors = measured.run, [row for row in measured.errors if row.group != "drive"]  # which is an input
+    if not errors or run.settings is None:
+        return
+    ok = run.status is Status.ok
+    worst = worst_of(errors, "explained" if ok else "unexplained")
+    if ok and worst.explained > run.settings.promise:
+        doubt = f"may be off by {share(worst.explained)} unnoticed"
+        yield f"{run.engine}: {worst.channel} {doubt}, by its decimals or next to a singular configuration"
+    elif not ok and worst.explained >= MAX_EXCUSED:
+        why = "its decimals are of more than the 1 % that they may excuse"
+        yield f"{run.engine}: {worst.channel} is written too coarsely: {why}"

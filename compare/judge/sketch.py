@@ -60,22 +60,23 @@ def check_sketch(reference: Reference) -> None:
 def with_notes(reference: Reference) -> Reference:
     """The reference with what is known of its sketch; UnclearSketchError where that is at fault."""
     check_sketch(reference)
-    return replace(reference, rough_sketch=rough(reference), notes=[*warnings(reference)])
+    other = other_assembly(reference) if rough(reference) else ""
+    return replace(reference, rough_sketch=other, notes=[*warnings(reference)])
 
 
-def other_assembly(reference: Reference, engine: str) -> UnclearSketchError:
-    """The fault of a rough sketch from which an engine, in itself right, has taken another assembly than the core."""
+def other_assembly(reference: Reference) -> str:
+    """What an engine takes from a rough sketch that it reads otherwise than the core, with how far points are off."""
     scene, size = reference.scene, reference.mechanics.size
-    taken = f"{engine} takes another assembly from the sketch than the core, {_given(scene)}"
+    listed = _listed(scene, _off(scene, _posed(reference)), size)
     fits = _what_fits(scene, size, registry.sketch_fit(scene))
-    return UnclearSketchError(f"{taken}: {_listed(scene, _off(scene, _posed(reference)), size)}{fits}")
+    return f"another assembly from the sketch than the core, {_given(scene)}: {listed}{fits}"
 
 
-def with_sketch(scene: Scene, failure: Failure) -> Failure:
+def with_sketch(mechanics: Mechanics, failure: Failure) -> Failure:
     """A failure of the core on the drive's way or at the sketch, with the fault of the sketch that may be behind it."""
     if failure.status is not Status.cannot_assemble:
         return failure
-    size, fit = Mechanics(scene).size, registry.sketch_fit(scene)
+    scene, size, fit = mechanics.scene, mechanics.size, registry.sketch_fit(mechanics.scene)
     places = fit.here if fit else _nearest(scene)
     if fit is None:  # its sides pick what never closes
         wrong = bool(_scaled(scene) or places)

@@ -7,17 +7,17 @@ model has its own. An engine is right on either side, as long as all its channel
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InputError, Inputs, Motion, Sampling, Scene
+from scenes import InputError, Motion, Sampling, Scene
 from scenes.elements.loads import Load
 from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
-from scenes.scene import PressForce
+from scenes.scene import ConstantSpeed, PressForce
 
 from ..engines import registry
 from .elements import magnitudes
@@ -26,7 +26,6 @@ from .motion_vectors import Acts, MotionVectors
 from .scales import chord, judged_errors, relative_errors, scales, travels
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
-REMEMBERED, FEW = 4, 4096  # motions, of samples at most
 
 Acting: TypeAlias = Sequence[NDArray[np.bool_]]  # of each press force, whether it acts, shape (n,)
 Channels: TypeAlias = Mapping[str, Samples]
@@ -54,13 +53,19 @@ class Reference:
     floor: Floor
     cycle: Motion = field(default_factory=lambda: Motion({}))  # at `SCALE_SAMPLES`
     stroke_ends: tuple[float, ...] = ()  # m, of each press force
-    rough_sketch: bool = False  # an engine that takes another assembly may have read it as well as the core has
+    rough_sketch: str = ""  # of one that may be read in two ways: what an engine takes that reads it in the other one
     notes: Sequence[str] = ()  # what the user should know of the sketch
 
     @property
     def scene(self) -> Scene:
         """The linkage."""
         return self.mechanics.scene
+
+    @cached_property
+    def steadily(self) -> tuple[Scene, registry.Solve]:
+        """The scene with its drive at a constant speed of 1, and what solves it for the output's velocity."""
+        steady = self.scene.with_law(ConstantSpeed(1.0, *self.scene.drive.law.extent))
+        return steady, registry.reference(steady, frozenset(steady.channels.points[steady.output].velocity))
 
     def acts(self, *motions: Motion) -> list[Acts]:
         """Whether each press force may act, by sample, from motions that are the same but for a hair."""
@@ -106,46 +111,23 @@ class Reference:
         return Motion({**true.prompt.samples, **changed})
 
 
-class Remembering:
-    """A solver that solves nothing twice: every engine's run of few samples is held against the same ones."""
-
-    def __init__(self, solve: registry.Solve) -> None:
-        self.solve = solve
-        self._once = lru_cache(REMEMBERED)(_of_bytes(solve))
-
-    def __call__(self, inputs: Inputs) -> Motion:
-        """The motion at inputs."""
-        if len(inputs.time) > FEW:
-            return self.solve(inputs)
-        arrays = (np.asarray(array, np.float64) for array in (inputs.time, *inputs.derivatives))
-        return self._once(*((array.shape, array.tobytes()) for array in arrays))
-
-    def __reduce__(self) -> tuple[type["Remembering"], tuple[registry.Solve]]:
-        """Have what it remembers stay in this process."""
-        return Remembering, (self.solve,)
-
-
-def _of_bytes(solve: registry.Solve) -> Callable[..., Motion]:
-    """The same of the shapes and the bytes of the arrays of inputs, which can be compared as they are."""
-
-    def solved(*packed: tuple[tuple[int, ...], bytes]) -> Motion:
-        time, *derivatives = (np.frombuffer(content).reshape(shape) for shape, content in packed)
-        return solve(Inputs(time, derivatives))
-
-    return solved
-
-
 def uncertified(scene: Scene) -> Reference:
+    """The reference of a scene alone; see `first_cycle`."""
+    return first_cycle(Mechanics(scene))
+
+
+def first_cycle(mechanics: Mechanics) -> Reference:
     """One cycle of the reference, solved, and the scales that it gives.
 
     Raises:
         Failure: the reference cannot solve the scene, or there is no one motion.
         InputError: the output does not move, so that there is no scale.
     """
-    mechanics, sampling = Mechanics(scene), Sampling(SCALE_SAMPLES)
-    solve = registry.reference(scene)
-    registry.check_way(solve)
-    motion = solve(sampling.inputs(scene))
+    scene, sampling = mechanics.scene, Sampling(SCALE_SAMPLES)
+    solver = registry.reference(scene)
+    registry.check_way(solver)
+    solve = registry.Remembering(solver)
+    motion = solver(sampling.inputs(scene))
     output, travel = scene.output, travels(scene, motion)
     x, y = scene.channels.points[output].place
     stroke = abs(chord(motion[x] + 1j * motion[y]))
@@ -153,7 +135,7 @@ def uncertified(scene: Scene) -> Reference:
         raise InputError(f"{scene.file}: output: {output} does not move; expected a point that does")
     scale = scales(mechanics, motion, travel, magnitudes(mechanics, motion))
     ends = MotionVectors(scene, motion).stroke_ends()
-    return Reference(mechanics, Remembering(solve), stroke, travel, scale, Floor({}, ""), motion, ends)
+    return Reference(mechanics, solve, stroke, travel, scale, Floor({}, ""), motion, ends)
 
 
 # On a switch, n forces could stand in 2^n ways. The forces on one slider go by the same displacement and velocity: they

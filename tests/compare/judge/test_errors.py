@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 import scenes
+from compare.engines.registry import Remembering
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import by_group, compare, error_table, worst_of
 from compare.judge.floor import establish
 from compare.judge.measure import measure
 from compare.mechanics.motion_vectors import MotionVectors
-from compare.mechanics.reference import Floor, Reference, Remembering
+from compare.mechanics.reference import Floor, Reference
 from scenes import Motion, Sampling, Status
 from scenes.channels import named
 from scenes.model.inputs import Inputs, passing

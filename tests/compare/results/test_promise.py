@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import scenes
-from compare.judge.foreign import assess_result, coarse
-from compare.judge.judgement import judgement
+from compare.judge.foreign import assess_result
+from compare.judge.judgement import coarse, judgement
 from compare.judge.measure import Measurement
 from compare.results.result import read_result, read_results
 from compare.run import main
