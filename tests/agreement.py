@@ -15,7 +15,6 @@ from compare.mechanics.reference import Reference
 from compare.mechanics.scales import relative_errors
 from scenes import Motion, Request, Scene
 from scenes.channels import named
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 
 Channels = Mapping[str, Samples]
@@ -103,7 +102,7 @@ def off_50_digits(reference: Reference, request: Request) -> dict[str, Samples]:
     """Return how far the core is from 50 digits, by channel; a force is relative to the peak of its own joint."""
     scene = reference.scene
     true = exact(scene, request)
-    motion = reference.at(inputs_in(scene, true))
+    motion = reference.at(true.inputs(scene))
     found = relative_errors(scene.channels, motion, true, reference.scale)
     assert set(found) == set(scene.channels.names()) - {"time"}
     return found

@@ -23,7 +23,6 @@ from compare.judge.measure import Measurement
 from compare.mechanics.reference import Reference
 from compare.results.result import read_result
 from scenes import InputError, load
-from scenes.model.inputs import inputs_in
 
 OUT = Path(__file__).parents[2] / "docs" / "validation.md"
 PROMISE = 1e-6  # relative: what each table is held to besides its own tolerances
@@ -102,7 +101,7 @@ def judged(reference: Reference, values: pd.DataFrame, way: str, file: Path) -> 
     file.with_suffix(".toml").write_text(f"promise = {PROMISE}\n[columns]\n{columns}", encoding="utf-8")
     result = read_result(scene, f"theirs={file.with_suffix('.csv')}")
     assert result.run.motion is not None
-    true = reference.at(inputs_in(scene, result.run.motion))
+    true = reference.at(result.run.motion.inputs(scene))
     off = {c: np.abs(result.run.motion[c] - true[c]) / most[c].to_numpy() for c in table.columns}
     return assess_result(reference, result), max(float(ratio.max()) for ratio in off.values())
 

@@ -24,7 +24,8 @@ from ..mechanics.mechanics import EPS, SHOWN_GROUPS, Mechanics
 from ..mechanics.motion_vectors import Acts, MotionVectors
 from ..mechanics.projection import projected
 from ..mechanics.reference import Acting, fitted
-from ..mechanics.scales import NOTHING, force_scales, judged_errors, off_origin, relative_errors, scales, sizes
+from ..mechanics.round_off import projected_apart
+from ..mechanics.scales import NOTHING, force_scales, judged_errors, off_origin, scales, sizes
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
 
@@ -196,27 +197,10 @@ def estimate(
             explained = rounding * (units[channel] / sizes(true, mechanics.scene.channels[channel], scale[channel]))
             errors[channel] = np.where((errors[channel] <= explained) | np.isinf(condition), 0.0, errors[channel])
     if any(not error.max() <= promise for error in errors.values()):
-        moved = _rounded(mechanics, motion, true, scale, ends)
-        errors = {channel: np.where(error <= moved[channel], 0.0, error) for channel, error in errors.items()}
+        moved = projected_apart(mechanics, motion, true, scale, ends)
+        # At a single sample the few draws of signs may all but cancel, where those beside it do not.
+        errors = {c: np.where(error <= _of_three(moved[c]), 0.0, error) for c, error in errors.items()}
     return Estimate(errors, projection.branch, EPS * condition * far, closed)
-
-
-def _rounded(
-    mechanics: Mechanics, motion: Motion, true: Motion, scale: Mapping[str, float], ends: Sequence[float] | None
-) -> dict[str, Samples]:
-    """By how much the projection of a motion moves when numbers and drive are a few last places off, shape (n,).
-
-    At a single sample the few draws of signs may all but cancel, where those beside it do not: each sample has the
-    largest of its own and of both neighbours'.
-    """
-    moved: dict[str, Samples] = {}
-    for other, drive in zip(mechanics.perturbed, mechanics.rounded_drive(motion), strict=True):
-        rounded = Motion({**motion.samples, **drive.samples})
-        projection = projected(other, rounded, ends)
-        neighbour = Motion({**projection.closed.samples, **projection.forces})
-        for channel, error in relative_errors(mechanics.scene.channels, neighbour, true, scale).items():
-            moved[channel] = np.fmax(moved.get(channel, 0.0), error)
-    return {channel: _of_three(error) for channel, error in moved.items()}
 
 
 def _of_three(values: Samples) -> Samples:

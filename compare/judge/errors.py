@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 
 from ..engines.registry import REFERENCE
@@ -64,7 +63,7 @@ def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
     scene = reference.scene
     commanded, position = reference.at(sampling.inputs(scene)), scene.channels.drive.position
     slope = _slope(reference, commanded)
-    actual = reference.at(inputs_in(scene, motion))
+    actual = reference.at(motion.inputs(scene))
     # Errors twice, at the commanded and at the actual position of the drive: their difference is what the drive's lag
     # does. On a press force's switch both have the same choice.
     may = reference.acts(commanded, actual)  # a drive that lags must not decide on which side of a switch it is
@@ -84,7 +83,7 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
     scene = reference.scene
     if not scene.steady:  # a law's rests are no toggles
         steady, solve = reference.steadily
-        motion = solve(inputs_in(steady, motion))
+        motion = solve(motion.inputs(steady))
     return np.hypot(*(motion[name] for name in scene.channels.points[scene.output].velocity))
 
 

@@ -2,35 +2,42 @@
 
 The half of the last decimal explains an error of a channel, and that of the instants what the motion does meanwhile. In
 the checks of the result's own output it explains what they find in the reference, written as the result is.
+
+Besides the channels of engines a result may give magnitudes, as `P.force`, and transmission angles. A magnitude is the
+length of a vector of the reference, by its two channels, and is judged on their scale and in their group. A
+transmission angle is the reference's own, on a scale of 1 rad, among the positions.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from copy import copy
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from scenes import Failure, Instants, Motion, Settings, Status
+from scenes import Failure, Inputs, Instants, Motion, Settings, Status
 from scenes.model.inputs import passing
 from scenes.model.motion import Samples
 
+from ..engines import registry
+from ..engines.registry import Solve
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
+from ..mechanics.motion_vectors import Acts
 from ..mechanics.reference import Reference
-from ..mechanics.round_off import Explained, explain
+from ..mechanics.round_off import MAX_EXCUSED, Explained, explain
 from ..mechanics.scales import relative_errors, sizes
 from .checks import Check, checks
-from .derived import with_derived
 from .measure import Measurement, assess
 from .verdict import BALANCES
 
 if TYPE_CHECKING:
     from ..results.result import Result
 
+Parts: TypeAlias = Mapping[str, tuple[str, str]]  # by magnitude, the channels of its components
 Halves: TypeAlias = Mapping[str, Samples]  # of the last decimals, by channel, each of shape (n,), SI
 
-MAX_EXCUSED = 1e-2  # relative, of a force to what it is left of: more than that is an error, and no decimals excuse it
 MAX_RATIO_OF_CHECKS = 3.0  # to what they find in the reference: the roundings of two motions differ by chance
 SEED = 20261122
 
@@ -82,9 +89,7 @@ def _explained_by_decimals(
         # Both components of a vector are rounded: its error is bounded by the norm of their halves.
         half = np.linalg.norm([halves[c] for c in both if c in halves] or [np.zeros(1)], axis=0)
         off[channel] = half / sizes(true, row, reference.scale[channel]) + moved.get(channel, 0.0)
-    explained = explain(reference, request)
-    most = {channel: MAX_EXCUSED * np.maximum(explained.terms.get(channel, 1.0), 1.0) for channel in off}
-    return replace(explained, written={channel: np.minimum(off[channel], most[channel]) for channel in off})
+    return explain(reference, request, off)
 
 
 def _meanwhile(reference: Reference, time: Samples, true: Motion, rate: Samples) -> dict[str, Samples]:
@@ -133,3 +138,49 @@ def _times(terms: Mapping[str, Samples], channel: str) -> float:
 def _of(check: Check) -> tuple[str, str]:
     """What a check is of; those of groups are of whichever channel is worst."""
     return check.check, "" if check.check in SHOWN_GROUPS else check.of
+
+
+# What a result gives besides channels, with a reference that has that too.
+
+
+@dataclass(frozen=True)
+class _WithMagnitudes(Reference):
+    parts: Parts = field(default_factory=dict)
+
+    def fitting(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> Motion:
+        """`true` on the side of a press force's switch where the motion's forces fit best, with magnitudes of that."""
+        return _extended(super().fitting(motion, true, may), self.parts)
+
+
+def with_derived(reference: Reference, given: Collection[str]) -> Reference:
+    """Return a reference with what a result gives besides channels; itself where that is nothing."""
+    names = [name for name in given if name not in reference.mechanics.units]
+    if not names:
+        return reference
+    channels = reference.scene.channels
+    parts = {name: both for name, both in channels.magnitudes.items() if name in names}
+    likes = {name: parts[name][0] if name in parts else "" for name in names}  # a channel that it is judged as
+    known = reference.mechanics
+    neighbours, mechanics = known.neighbours, copy(known)
+    mechanics.units = known.units | {name: channels[name].unit for name in names}
+    mechanics.groups = known.groups | {name: channels[name].group for name in names}
+    if neighbours and len(parts) < len(names):  # which solve the channels of engines, no angles
+        neighbours = tuple(registry.reference(other.scene) for other in known.perturbed)
+    # A copy of the mechanics whose cached neighbours also return what is derived, so that round-off explains it as any
+    # channel.
+    mechanics.__dict__["neighbours"] = tuple(_solver(solve, parts) for solve in neighbours)
+    values = {each.name: getattr(reference, each.name) for each in fields(Reference)}
+    values["scale"] = {**reference.scale, **{name: reference.scale.get(like, 1.0) for name, like in likes.items()}}
+    return _WithMagnitudes(**{**values, "mechanics": mechanics, "at": _solver(reference.at, parts)}, parts=parts)
+
+
+def _solver(solve: Solve, parts: Parts) -> Solve:
+    def extended(inputs: Inputs) -> Motion:
+        return _extended(solve(inputs), parts)
+
+    return extended
+
+
+def _extended(motion: Motion, parts: Parts) -> Motion:
+    lengths = {name: np.hypot(motion[x], motion[y]) for name, (x, y) in parts.items()}
+    return Motion({**motion.prompt.samples, **lengths}, motion.unsupported)

@@ -15,11 +15,11 @@ from ..engines.processes.stopping import kept
 from ..engines.registry import ORACLE, REFERENCE, voter
 from ..engines.runner import HERE, Run, Runs
 from ..mechanics.reference import Reference
-from ..mechanics.round_off import Explained, explain
+from ..mechanics.round_off import MAX_EXCUSED, Explained, explain
 from ..mechanics.scales import relative_errors
 from .agreement import Judgement
 from .errors import worst_of
-from .foreign import MAX_EXCUSED, assess_result
+from .foreign import assess_result
 from .measure import Measurement, escalated, measure
 from .plausibility import remarks
 from .verdict import doubted_core, judged, share

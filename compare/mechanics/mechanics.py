@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from scenes import Failure, Motion, Scene
+from scenes import Failure, Scene
 from scenes.channels import Role
 from scenes.fields import Number, put
 
@@ -19,7 +19,6 @@ EPS = float(np.finfo(float).eps)
 ULPS = 4  # of every number, up or down at random
 DRAWS = 4  # scenes; their worst is within a factor of three of the worst of many more, see the tests
 SEED = 20261121
-MIN_POSITION = 1e-3  # of the drive's range
 LEFT_OUT = {("drives", name) for name in ("start", "end", "times", "positions")} | {
     ("loads", name) for name in ("last", "displacements", "positions", "times")
 }
@@ -83,18 +82,6 @@ class Mechanics:
             return tuple(registry.reference(other.scene, frozenset(self.units)) for other in self.perturbed)
         except Failure:
             return ()
-
-    def rounded_drive(self, motion: Motion) -> Iterator[Motion]:
-        """Yield the drive and the instants a few last places off a motion's, for each perturbed scene.
-
-        A position that passes through zero is no better known there than where it is a thousandth of its range.
-        """
-        drive = self.scene.channels.drive.position
-        position, time = motion[drive], motion["time"]
-        off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * max(drive.span for drive in self.scene.drives))
-        for number in range(DRAWS):
-            sign = (-1) ** number
-            yield Motion({drive: position + sign * off, "time": time * (1 + sign * ULPS * EPS)})
 
 
 def inputs(scene: Scene) -> Iterator[Number]:

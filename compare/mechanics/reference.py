@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from scenes import InputError, Motion, Sampling, Scene
 from scenes.elements.loads import Load
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed, PressForce
 
@@ -98,7 +97,7 @@ class Reference:
         def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
             other = np.empty((len(forces), rows.size))
             for scene, some in fixed(self.scene, acting):
-                standing = registry.reference(scene, frozenset(forces))(inputs_in(scene, true, rows[some]))
+                standing = registry.reference(scene, frozenset(forces))(true.inputs(scene, rows[some]))
                 other[:, some] = [standing[channel] for channel in forces]
             side = dict(zip(forces, other, strict=True))
             return off(side), side

@@ -8,23 +8,25 @@ in them, accelerations thrice. The second is what loads leave that cancel in a j
 a spring that is moved as it would move by itself.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 
 import numpy as np
 
 from scenes import Failure, Motion, Rows
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 
 from .elements import magnitudes
 from .friction import newtons
-from .mechanics import EPS, Mechanics
+from .mechanics import DRAWS, EPS, ULPS, Mechanics
 from .motion_vectors import MotionVectors
+from .projection import projected
 from .reference import Reference
-from .scales import off_origin, sizes
+from .scales import off_origin, relative_errors, sizes
 
+MAX_EXCUSED = 1e-2  # relative, of a force to what it is left of: more than that is an error, and no decimals excuse it
+MIN_POSITION = 1e-3  # of the drive's range
 UNKNOWN = 1e-3  # of κ ε: a length that is off by a few last places changes the pose by about that
 
 
@@ -77,8 +79,11 @@ class Explained:
         }
 
 
-def explain(reference: Reference, sampling: Rows) -> Explained:
-    """What is explained at the samples of a run, as commanded; a `Failure` where the reference has no motion there."""
+def explain(reference: Reference, sampling: Rows, written: Mapping[str, Samples] | None = None) -> Explained:
+    """What is explained at the samples of a run, as commanded; a `Failure` where the reference has no motion there.
+
+    `written` has by channel the relative errors that decimals leave, each of shape (n,), where the run was written.
+    """
     scene, mechanics = reference.scene, reference.mechanics
     true = reference.at(sampling.inputs(scene))
     moved = _sensitivity(reference, true)
@@ -97,7 +102,11 @@ def explain(reference: Reference, sampling: Rows) -> Explained:
         for channel, unit in units.items()
         if channel in true
     }
-    return Explained(known, moved, terms=terms, largest=f"{strongest}, {size:.3g} N,")
+    excused = {
+        channel: np.minimum(left, MAX_EXCUSED * np.maximum(terms.get(channel, 1.0), 1.0))
+        for channel, left in (written or {}).items()
+    }
+    return Explained(known, moved, excused, terms, f"{strongest}, {size:.3g} N,")
 
 
 def _sensitivity(reference: Reference, true: Motion) -> dict[str, Samples]:
@@ -118,6 +127,33 @@ def _sensitivity(reference: Reference, true: Motion) -> dict[str, Samples]:
 
 def perturbed(mechanics: Mechanics, true: Motion) -> Iterator[Motion]:
     """Yield the motions of the perturbed scenes beside one; none where one of them cannot be solved."""
-    others = zip(mechanics.neighbours, mechanics.perturbed, mechanics.rounded_drive(true), strict=False)
+    others = zip(mechanics.neighbours, mechanics.perturbed, rounded_drive(mechanics, true), strict=False)
     for solve, other, drive in others:
-        yield solve(inputs_in(other.scene, drive))
+        yield solve(drive.inputs(other.scene))
+
+
+def rounded_drive(mechanics: Mechanics, motion: Motion) -> Iterator[Motion]:
+    """Yield the drive and the instants a few last places off a motion's, for each perturbed scene.
+
+    A position that passes through zero is no better known there than where it is a thousandth of its range.
+    """
+    drive = mechanics.scene.channels.drive.position
+    position, time = motion[drive], motion["time"]
+    off = ULPS * EPS * np.maximum(np.abs(position), MIN_POSITION * max(drive.span for drive in mechanics.scene.drives))
+    for number in range(DRAWS):
+        sign = (-1) ** number
+        yield Motion({drive: position + sign * off, "time": time * (1 + sign * ULPS * EPS)})
+
+
+def projected_apart(
+    mechanics: Mechanics, motion: Motion, true: Motion, scale: Mapping[str, float], ends: Sequence[float] | None
+) -> dict[str, Samples]:
+    """By how much the projection of a motion moves when numbers and drive are a few last places off, shape (n,)."""
+    moved: dict[str, Samples] = {}
+    for other, drive in zip(mechanics.perturbed, rounded_drive(mechanics, motion), strict=True):
+        rounded = Motion({**motion.samples, **drive.samples})
+        projection = projected(other, rounded, ends)
+        neighbour = Motion({**projection.closed.samples, **projection.forces})
+        for channel, error in relative_errors(mechanics.scene.channels, neighbour, true, scale).items():
+            moved[channel] = np.fmax(moved.get(channel, 0.0), error)
+    return moved

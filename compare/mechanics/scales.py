@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.channels import TIME, Channel, Channels, Role
-from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from .contacts import CONTACTS
@@ -141,7 +140,7 @@ def resting(state: MotionVectors) -> NDArray[np.bool_]:
     scene = state.scene
     turning = np.max([np.abs(state.turning(body)[1]) for body in scene.bodies], axis=0)
     moving = np.max([np.abs(state.place(point, 1)) for point in scene.moving_points], axis=0)
-    inputs = inputs_of(scene, state.motion["time"])
+    inputs = state.motion.inputs(scene)
     rates = [inputs.driven(number).rate / drive.law.peak_rate for number, drive in enumerate(scene.drives)]
     slow: NDArray[np.bool_] = np.abs(rates).max(axis=0) <= RESTING_TOL
     for friction in scene.friction:

@@ -6,7 +6,7 @@ at its constant speed, or whoever solves a scene from Python.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,6 @@ from ..laws import derivatives
 
 if TYPE_CHECKING:
     from ..scene import Scene
-    from .motion import Motion
 
 NEEDED = 3  # orders: position, rate and acceleration
 
@@ -95,11 +94,3 @@ def passing(scene: "Scene", position: ArrayLike, time: ArrayLike | None = None, 
         raise InputError("a drive that follows a law needs the instants")
     _, rate, acceleration = law.at(time)
     return Inputs(time, tuple(of[..., np.newaxis] for of in (position, rate, acceleration)))
-
-
-def inputs_in(scene: "Scene", motion: "Motion", rows: Any = ...) -> Inputs:
-    """The inputs that a motion has, at some of its samples or all: its own instants and positions of the drives.
-
-    Their rates and accelerations are by the laws at those instants.
-    """
-    return passing(scene, motion[scene.channels.drive.position][rows], motion["time"][rows])

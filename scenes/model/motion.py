@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -56,6 +56,13 @@ class Motion:
     def prompt(self) -> "Motion":
         """The motion without these."""
         return Motion({c: self[c] for c in self.samples if c not in self.late}, self.unsupported)
+
+    def inputs(self, scene: Scene, rows: Any = ...) -> Inputs:
+        """The inputs that it has, at some of its samples or all: its own instants and positions of the drives.
+
+        Their rates and accelerations are by the laws at those instants.
+        """
+        return passing(scene, self[scene.channels.drive.position][rows], self["time"][rows])
 
     def to_frame(self) -> "DataFrame":
         """One row a sample and one column a channel, each under its name and unit as in the CSV files."""

@@ -30,7 +30,6 @@ from compare.report.output import files as output
 from compare.report.tables import study as tables
 from scenes import Motion, Request, Sampling, Settings, Status
 from scenes.channels import Role, named
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import header
 from tests import scene_files
 from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, sampled, studied
@@ -129,7 +128,7 @@ def test_checks_that_have_their_channels(reference: Reference, patterns: list[st
     motion = motion_of(reference, *patterns)
     found = checks(reference.mechanics, motion, reference.travel)
     assert {check.of for check in found if check.check != "drive"} == made
-    whole = reference.at(inputs_in(reference.scene, motion))
+    whole = reference.at(motion.inputs(reference.scene))
     everything = checks(reference.mechanics, whole, reference.travel)
     assert {check.check for check in everything} == all_checks(reference.scene)
 

@@ -12,7 +12,6 @@ from compare.judge.canaries import spoilt_motion as spoilt
 from compare.judge.causes.cause import Kind
 from scenes import Failure, Motion
 from scenes.fields import put
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 
 from .fault import Clean, Fault
@@ -90,7 +89,7 @@ def _breathing(clean: Clean) -> Iterator[Fault]:
                 scene, {("bodies", name, "lengths", pair): (1 + by) * (scene.bodies[name].lengths or {})[pair]}
             )
             try:
-                wrong = registry.reference(longer)(inputs_in(longer, clean.true))
+                wrong = registry.reference(longer)(clean.true.inputs(longer))
             except Failure:
                 continue
             breath = np.sin(2 * np.pi * time / scene.cycle)

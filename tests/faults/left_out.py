@@ -14,7 +14,6 @@ from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion
 from scenes.channels import Role
-from scenes.model.inputs import inputs_in
 from scenes.scene import GROUND, Force, GuideForce, Moment
 
 from .fault import Clean, Fault
@@ -60,7 +59,7 @@ def _pushed(clean: Clean, motion: Motion, body: str, point: str, force: Vectors)
     size = float(np.abs(force).max()) or 1.0
     for along, share in (((size, 0.0), force.real / size), ((0.0, size), force.imag / size)):
         loaded = replace(clean.scene, loads=(*clean.scene.loads, Force(body, point, along)))
-        there = registry.reference(loaded)(inputs_in(loaded, clean.true))
+        there = registry.reference(loaded)(clean.true.inputs(loaded))
         more = {c: motion[c] + share * (there[c] - clean.true[c]) for c in clean.scene.channels.names(Role.force)}
         motion = spoilt.replaced(motion, more)
     return motion

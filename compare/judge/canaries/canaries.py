@@ -14,7 +14,6 @@ import numpy as np
 from scenes import Status
 from scenes.channels import Role
 from scenes.fields import put
-from scenes.model.inputs import inputs_in
 
 from ...engines import registry
 from ..agreement import Judgement
@@ -90,7 +89,7 @@ def _another_mass(copy: noticed.Thinned) -> bool:
     scene, forces = copy.scene, copy.scene.channels.names(Role.force, Role.friction)
     body = max(scene.bodies.values(), key=lambda body: (body.name not in scene.driven, body.mass or 0.0))
     heavier = put(scene, {("bodies", body.name): replace(body.weighed, mass=(body.mass or 0.0) + 1.0)})
-    inputs = inputs_in(scene, copy.motion)
+    inputs = copy.motion.inputs(scene)
     right, wrong = (registry.reference(variant, frozenset(forces))(inputs) for variant in (scene, heavier))
     amounts = copy.amounts()
     most = max(float((np.abs(wrong[c] - right[c]) / amounts[c]).max()) for c in forces)

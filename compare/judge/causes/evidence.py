@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Rows, Scene
-from scenes.model.inputs import Inputs, inputs_in, inputs_of, passing
+from scenes.model.inputs import Inputs, inputs_of, passing
 from scenes.model.motion import Samples
 
 from ...engines import registry
@@ -88,7 +88,7 @@ class Evidence:
         """Return all channels of a scene, at the inputs asked for or others; nothing where it has no motion."""
         with suppress(Failure), np.errstate(all="ignore"):
             solve = self.reference.at if scene is self.scene else registry.reference(scene)
-            return solve(inputs_in(scene, self.true) if inputs is None else inputs).samples
+            return solve(self.true.inputs(scene) if inputs is None else inputs).samples
         return {}
 
     def passing(self, scene: Scene, position: Samples) -> Channels:

@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 
 from scenes import Motion, Request, Sampling
-from scenes.model.inputs import inputs_in, inputs_of
+from scenes.model.inputs import inputs_of
 from scenes.model.motion import Samples
 
 from ...engines.registry import REFERENCE
@@ -97,7 +97,7 @@ def _lows(reference: Reference, channel: str) -> Samples:
     lowest = np.flatnonzero(bottom & (low <= low.min() + NEXT_TO_HIGHEST * np.ptp(low)))
     around = STRIDE * lowest[:, np.newaxis] + np.arange(-STRIDE, STRIDE + 1)
     near = np.unique(np.clip(around, 0, SCALE_SAMPLES))
-    values[near] = reference.at(inputs_in(scene, cycle, near))[channel]
+    values[near] = reference.at(cycle.inputs(scene, near))[channel]
     return values
 
 
@@ -122,7 +122,7 @@ def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
     largest: dict[str, float] = {}
     for rows in _cycles(motion["time"] / scene.cycle):
         cycle_motion = Motion({c: samples[rows] for c, samples in motion.samples.items()})
-        solved = reference.at(inputs_in(scene, cycle_motion))
+        solved = reference.at(cycle_motion.inputs(scene))
         true = reference.fitting(cycle_motion, solved, reference.acts(solved))
         theirs = {number.name: number for number in numbers(scene, followed, cycle_motion)}
         for number in numbers(scene, followed, true):

@@ -25,7 +25,6 @@ import numpy as np
 from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
 from scenes.channels import TO_LOCK
 from scenes.fields import put
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
@@ -61,7 +60,7 @@ def digits_lost(reference: Reference) -> dict[str, dict[str, float]]:
     peak = {c: float(magnitude(true, scene.channels[c]).max()) for c in mechanics.units}
     size = {c: value if value > ZERO_TOL * reference.scale[c] else reference.scale[c] for c, value in peak.items()}
     decided = np.setdiff1d(np.arange(len(true["time"])), on_switch(reference.acts(true)))
-    there = reference.at(inputs_in(scene, true))
+    there = reference.at(true.inputs(scene))
     errors = relative_errors(scene.channels, there, true, size)
     changes = _changes(scene, request, true, size)
     digits = {}

@@ -9,7 +9,6 @@ import numpy as np
 
 from scenes import Failure, Motion, Sampling, Scene
 from scenes.channels import POWER
-from scenes.model.inputs import inputs_in
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
@@ -101,8 +100,8 @@ def _efficiency(study: Study) -> Iterator[str]:
 
 def frictionless(scene: Scene, motion: Motion) -> Samples:
     """The drive's torque, N m, or force, N, without friction, at the samples of a motion."""
-    free, channel = replace(scene, friction=()), scene.channels.drive.effort
-    return registry.reference(free, frozenset((channel,)))(inputs_in(free, motion))[channel]
+    free, channel = replace(scene, friction=()), scene.effort_channel
+    return registry.reference(free, frozenset((channel,)))(motion.inputs(free))[channel]
 
 
 def _work(motion: Motion, power: Samples) -> float:
@@ -144,7 +143,7 @@ def _locking(study: Study) -> str:
     def needs(variant: Scene) -> Samples:
         """The drive's power on the way back through the same positions."""
         back = variant.with_law(backwards)
-        there = registry.reference(back)(inputs_in(back, cycle))
+        there = registry.reference(back)(cycle.inputs(back))
         return drive_power(MotionVectors(back, there))
 
     try:

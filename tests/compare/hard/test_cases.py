@@ -20,7 +20,6 @@ from compare.report.pages.report import in_full
 from compare.report.tables import hard as hard_tables
 from scenes import Failure, Motion, Sampling, Settings, Status
 from scenes.hard import ladder as read
-from scenes.model.inputs import inputs_in
 from tests import scene_files
 from tests.comparisons import Plug, Stub, changed
 
@@ -80,7 +79,7 @@ def test_wrong_answers_and_refusals_are_told_apart(judge: Callable[..., dict[str
         status, *found = told(judge(off(channel, by)))
         assert (status != "ok", *found) == (True, "refused", "checks"), (channel, by)
     upward = scene_files.load("toggle_press", {"sketch.P5": [0, -400]})
-    other = registry.reference(upward)(inputs_in(upward, right))
+    other = registry.reference(upward)(right.inputs(upward))
     assert told(judge(other)) == ("wrong_branch", "silent", "reference")
     for rings, outcome in ((off("P3.fx", 0.1), "refused"), (None, "refused"), (right, "false alarm")):
         row = judge(Failure(Status.not_converged, "it rings", rings))

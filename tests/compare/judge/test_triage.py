@@ -18,7 +18,7 @@ from compare.mechanics.reference import Reference
 from compare.mechanics.round_off import explain
 from scenes import Instants, Motion, Settings, Status
 from scenes.channels import Role, named
-from scenes.model.inputs import inputs_in, inputs_of, passing
+from scenes.model.inputs import inputs_of, passing
 from scenes.model.motion import Samples
 from tests.comparisons import SAMPLING, References, changed, commanded, sampled
 
@@ -57,7 +57,7 @@ def breathing(reference: Reference) -> dict[str, Samples]:
     motion = commanded(reference)
     lengths = 0.3 + 0.003 * np.sin(2 * np.pi * ROWS / 72)
     rods = [reference.scene.with_numbers({"bodies.rod.lengths.P4-P5": length}) for length in lengths.tolist()]
-    solved = [registry.reference(rod)(inputs_in(rod, motion, [k])) for k, rod in enumerate(rods)]
+    solved = [registry.reference(rod)(motion.inputs(rod, [k])) for k, rod in enumerate(rods)]
     return {c: np.array([row[c][0] for row in solved]) for c in motion.samples if c in solved[0]}
 
 
