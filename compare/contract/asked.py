@@ -11,10 +11,9 @@ from scenes import Engine, InputError, Request, Sampling, Scene, Settings, Statu
 from ..engines import TRACEBACK, registry
 from ..engines.runner import Run, run
 from ..engines.threads import one_thread
-from ..judge.measure import assess
+from ..judge.measure import Standard, assess
 from ..judge.triage import sentences
 from ..mechanics.reference import Reference, uncertified
-from ..mechanics.round_off import explain
 
 SAMPLING = Sampling(36)
 
@@ -72,7 +71,7 @@ def outcome(engine: str, scene: Scene, request: Request = SAMPLING, settings: Se
     """The fault of a run by its own output, the reference and its promise, in a sentence, or nothing."""
     kept = request == SAMPLING and settings is None
     ended = plain_run(engine, scene.name) if kept else run(engine, scene, request, settings)
-    measured = assess(reference(scene.name), request, ended, explain(reference(scene.name), request))
+    measured = assess(Standard.of(reference(scene.name), request), ended)
     if measured.run.status is Status.ok:
         return ""
     causes = sentences(reference(scene.name), [measured])

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Motion, Rows, Scene
+from scenes import Inputs, Motion, Rows, Scene
 from scenes.model.motion import Samples
 
 from ..engines.registry import REFERENCE
@@ -82,8 +82,8 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
     """|dx/dq| of the output point over the drive's position q, but for a constant factor: its speed at a steady one."""
     scene = reference.scene
     if not scene.steady:  # a law's rests are no toggles
-        steady, solve = reference.steadily
-        motion = solve(motion.inputs(steady))
+        position, solve = motion[scene.channels.drive.position], reference.steadily
+        motion = solve(Inputs(motion["time"], (position[:, np.newaxis], np.ones(1), np.zeros(1))))
     return np.hypot(*(motion[name] for name in scene.channels.points[scene.output].velocity))
 
 

@@ -17,8 +17,7 @@ from ..engines.runner import HERE, Run, Runs
 from ..mechanics import axis as units
 from ..mechanics.mechanics import Mechanics
 from ..mechanics.reference import Floor, Reference, first_cycle
-from ..mechanics.round_off import explain
-from .measure import Measurement, assess
+from .measure import Measurement, Standard, assess
 from .sketch import UnclearSketchError, with_notes, with_sketch
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
@@ -81,7 +80,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
         raise with_sketch(mechanics, failure) from None
     reference = with_notes(reference)
     sampling = Sampling(FLOOR_SAMPLES, channels=channels)
-    explained = explain(reference, sampling)
+    standard = Standard.of(reference, sampling)
     answer = reference.at(sampling.inputs(scene))
     settings = registry.engine(registry.REFERENCE).DEFAULT
     both = (
@@ -91,7 +90,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     # The core's answer and that of arbitrary precision go through the same judgement as any engine. The floor is their
     # difference at FLOOR_SAMPLES positions; a disagreement beyond promise and round-off is a doubt, and who contradicts
     # itself is suspected first.
-    core, oracle = (assess(reference, sampling, run, explained) for run in both)
+    core, oracle = (assess(standard, run) for run in both)
     if oracle.run.status is Status.wrong_branch and oracle.run.found_by == "reference" and reference.rough_sketch:
         raise UnclearSketchError(f"{registry.ENTRIES[registry.ORACLE].distribution} takes {reference.rough_sketch}")
     doubt = _doubt(core, oracle)
@@ -102,7 +101,7 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     floor = {channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}
     worst = max(floor, key=floor.__getitem__)
     kept = floor[worst] <= settings.promise
-    limit = "" if kept else f", all that doubles leave of {worst}: {explained.why(worst)}"
+    limit = "" if kept else f", all that doubles leave of {worst}: {standard.explained.why(worst)}"
     return replace(reference, floor=Floor(floor, source, doubt, limit))
 
 

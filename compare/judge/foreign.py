@@ -29,7 +29,7 @@ from ..mechanics.reference import Reference
 from ..mechanics.round_off import MAX_EXCUSED, Explained, explain
 from ..mechanics.scales import relative_errors, sizes
 from .checks import Check, checks
-from .measure import Measurement, assess
+from .measure import Measurement, Standard, assess
 from .verdict import BALANCES
 
 if TYPE_CHECKING:
@@ -55,12 +55,12 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
         true = reference.at(inputs)
         explained = _explained_by_decimals(reference, request, halves, true, driven.rate)
     except Failure:  # which is named when it is compared
-        return assess(reference, request, run, Explained(np.empty(0), {}))
+        return assess(Standard(reference, request, Explained(np.empty(0), {})), run)
     promise = (run.settings or Settings("")).promise
     meanwhile = {**halves, drive: np.abs(driven.rate) * halves["time"]}  # of the drive, by the instants
     excused = partial(_excused, reference, meanwhile, true, explained.terms, promise)
     held = replace(reference, floor=replace(reference.floor, doubt=""))  # with few channels nothing else is a check
-    measured = assess(held, request, run, explained, excused)
+    measured = assess(Standard(held, request, explained), run, excused)
     run = measured.run
     if run.status is Status.wrong_branch and not any(check.check == "closure" for check in measured.checks):
         run = replace(run, status=Status.inaccurate)  # its units or frame may be others

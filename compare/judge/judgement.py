@@ -15,12 +15,12 @@ from ..engines.processes.stopping import kept
 from ..engines.registry import ORACLE, REFERENCE, voter
 from ..engines.runner import HERE, Run, Runs
 from ..mechanics.reference import Reference
-from ..mechanics.round_off import MAX_EXCUSED, Explained, explain
+from ..mechanics.round_off import MAX_EXCUSED, Explained
 from ..mechanics.scales import relative_errors
 from .agreement import Judgement
 from .errors import worst_of
 from .foreign import assess_result
-from .measure import Measurement, escalated, measure
+from .measure import Measurement, Standard, escalated
 from .plausibility import remarks
 from .verdict import doubted_core, judged, share
 
@@ -43,20 +43,20 @@ def judgement(
 
     Results of other programs come after the engines; `progress` is called with what is being done.
     """
-    scene, explained = reference.scene, explain(reference, sampling)
+    scene, standard = reference.scene, Standard.of(reference, sampling)
     reasons = [*remarks(reference, sampling)]
 
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:
             progress(f"running {engine}")
-            attempt = partial(measure, reference, engine, sampling, explained=explained, runs=runs)
+            attempt = partial(standard.measure, engine, runs=runs)
             if registry.ENTRIES[engine].missing:
                 yield attempt()
                 continue
             offered, why = offers(engine)
             measured, tried = escalated(attempt, offered)
             reasons.extend(filter(None, (why, tried)))
-            reasons.extend(beyond(measured, explained))
+            reasons.extend(beyond(measured, standard.explained))
             yield measured
         for result in results:
             progress(f"comparing {result.run.engine}")
@@ -66,7 +66,7 @@ def judgement(
             yield assessed
 
     reference, measurements = _voted(reference, list(kept(main_runs())))
-    return Judgement(scene, sampling, reference, explained, measurements, reasons)
+    return Judgement(scene, sampling, reference, standard.explained, measurements, reasons)
 
 
 def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Reference, list[Measurement]]:

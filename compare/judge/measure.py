@@ -51,32 +51,39 @@ class Measurement:
         return worst_of(self.errors).max if self.errors else nan
 
 
+class Standard(NamedTuple):
+    """What runs of the same samples are held against."""
+
+    reference: Reference
+    sampling: Rows
+    explained: Explained  # the errors there that need no other explanation
+
+    @classmethod
+    def of(cls, reference: Reference, sampling: Rows) -> "Standard":
+        """That of a reference; a `Failure` where it has no motion at the samples."""
+        return cls(reference, sampling, explain(reference, sampling))
+
+    def measure(self, engine: str, settings: Settings | None = None, runs: Runs = HERE) -> "Measurement":
+        """Run an engine at these samples, at its default settings or others, then assess the result."""
+        assert not isinstance(self.sampling, Instants)  # which no engine is asked for
+        return assess(self, runs.run(engine, self.reference.scene, self.sampling, settings))
+
+
 def measure(
-    reference: Reference,
-    engine: str,
-    sampling: Sampling,
-    settings: Settings | None = None,
-    explained: Explained | None = None,
-    runs: Runs = HERE,
+    reference: Reference, engine: str, sampling: Sampling, settings: Settings | None = None, runs: Runs = HERE
 ) -> Measurement:
     """Run an engine, at its default settings or others, then assess the result."""
-    outcome = runs.run(engine, reference.scene, sampling, settings)
-    return assess(reference, sampling, outcome, explained or explain(reference, sampling))
+    return Standard.of(reference, sampling).measure(engine, settings, runs)
 
 
 @np.errstate(all="ignore")  # of whatever numbers an engine gives; what is not finite is so in the result
-def assess(
-    reference: Reference,
-    sampling: Rows,
-    outcome: Run,
-    explained: Explained,
-    find: Callable[[Motion], list[Check]] | None = None,
-) -> Measurement:
+def assess(standard: Standard, outcome: Run, find: Callable[[Motion], list[Check]] | None = None) -> Measurement:
     """Hold a run against what was asked for, its own output, the reference, and what its settings promise.
 
     A reference that is in doubt is not held against another engine. `find` is what the checks of its own output find in
     a motion that it has no excuse for; None for all.
     """
+    reference, sampling, explained = standard
     scene = reference.scene
     outcome = complete(outcome, scene, sampling)
     if outcome.motion is None:

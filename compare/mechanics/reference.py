@@ -61,10 +61,10 @@ class Reference:
         return self.mechanics.scene
 
     @cached_property
-    def steadily(self) -> tuple[Scene, registry.Solve]:
-        """The scene with its drive at a constant speed of 1, and what solves it for the output's velocity."""
+    def steadily(self) -> registry.Solve:
+        """What solves the scene for the output's velocity where its drive has a constant speed of 1."""
         steady = self.scene.with_law(ConstantSpeed(1.0, *self.scene.drive.law.extent))
-        return steady, registry.reference(steady, frozenset(steady.channels.points[steady.output].velocity))
+        return registry.reference(steady, frozenset(steady.channels.points[steady.output].velocity))
 
     def acts(self, *motions: Motion) -> list[Acts]:
         """Whether each press force may act, by sample, from motions that are the same but for a hair."""

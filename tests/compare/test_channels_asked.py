@@ -18,13 +18,12 @@ from compare.engines import registry, runner
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import compare
-from compare.judge.measure import assess
+from compare.judge.measure import Standard, assess
 from compare.judge.peaks.peaks import peaks
 from compare.judge.triage import sentences
 from compare.judge.verdict import compared, judged
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Reference, uncertified
-from compare.mechanics.round_off import explain
 from compare.report.figures.curves import panels
 from compare.report.output import files as output
 from compare.report.tables import study as tables
@@ -180,7 +179,7 @@ def test_one_channel_of_a_press_on_its_switch(kind: str) -> None:
         right = {c: np.where(on_switch, side[c], on[c]) for c in few.wanted(scene)}
         spoilt = right | {channel: 1.1 * right[channel] + 0.1 * pressing.scale[channel]}
         runs = (Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=Motion(m)) for m in (right, spoilt))
-        well, badly = (assess(pressing, few, run, explain(pressing, few)) for run in runs)
+        well, badly = (assess(Standard.of(pressing, few), run) for run in runs)
         assert well.run.status is Status.ok, well.run.reason
         assert badly.run.status is not Status.ok, channel
         assert len(sentences(pressing, [badly], set())) <= 1  # of one number a cause may be unknown
@@ -199,7 +198,7 @@ def test_some_channels_of_some_places_are_judged(seed: int) -> None:
     off = {c: values + 0.1 * reference.scale[c] for c, values in motion.samples.items() if c in some}
     wrong = Motion({c: off.get(c, motion[c]) for c in few.wanted(reference.scene)})
     run = Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=wrong)
-    assert sentences(reference, [assess(reference, few, run, explain(reference, few))], set()) is not None
+    assert sentences(reference, [assess(Standard.of(reference, few), run)], set()) is not None
 
 
 def test_gates_of_what_is_not_asked_for_are_left_out() -> None:

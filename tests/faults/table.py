@@ -10,10 +10,9 @@ from compare.engines.processes.isolation import isolated
 from compare.engines.runner import Run, run
 from compare.judge.causes.cause import UNKNOWN
 from compare.judge.causes.words import words
-from compare.judge.measure import Measurement, assess, measure, missed
+from compare.judge.measure import Measurement, Standard, assess, missed
 from compare.judge.triage import cause
 from compare.mechanics.reference import uncertified
-from compare.mechanics.round_off import explain
 from scenes import InputError, Motion, Sampling, Status, load
 
 from .catalogue import catalogue
@@ -66,8 +65,8 @@ def judged_faults(item: Item, every: int = len(ENGINES)) -> list[Record]:
     """
     name, engine = item
     reference = uncertified(load(name))
-    explained = explain(reference, SAMPLING)
-    whole = measure(reference, engine, SAMPLING, explained=explained)
+    standard = Standard.of(reference, SAMPLING)
+    whole = standard.measure(engine)
     if whole.run.status is not Status.ok:
         raise InputError(f"its clean run is not ok: {whole.run.reason}")
     clean = Clean(reference, SAMPLING, whole.run)
@@ -75,7 +74,7 @@ def judged_faults(item: Item, every: int = len(ENGINES)) -> list[Record]:
     for fault in [*catalogue(clean)][ENGINES.index(engine) % every :: every]:
         outcome = _outcome(fault, whole.run)
         if outcome.motion is not None:  # else the engine itself refuses the scene, and there is nothing to judge
-            judged = assess(reference, SAMPLING, outcome, explained)
+            judged = assess(standard, outcome)
             records.append(_record(fault, clean, outcome.motion, judged))
     return records
 

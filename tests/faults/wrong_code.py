@@ -21,7 +21,7 @@ from compare.judge.canaries.spoilt_motion import shifted
 from compare.judge.causes.cause import Kind
 from compare.judge.floor import establish
 from compare.judge.judgement import judgement
-from compare.judge.measure import assess, gates, missed, offers
+from compare.judge.measure import Standard, assess, gates, missed, offers
 from compare.mechanics.reference import uncertified
 from compare.mechanics.round_off import explain
 from scenes import Motion, Settings, Status, load
@@ -207,7 +207,7 @@ def known(runs: Mapping[str, Run]) -> Runs:
 def _passes(wrong: Judgement, outcome: Run) -> bool:
     """Return whether nothing stops a CI run; a comparison that crashes stops one."""
     try:
-        judged = assess(wrong.reference, SAMPLING, outcome, wrong.explained)
+        judged = assess(Standard(wrong.reference, SAMPLING, wrong.explained), outcome)
         return not missed([judged], gates(wrong.scene, [judged]))
     except Exception:
         return False

@@ -20,7 +20,7 @@ from ...mechanics.round_off import Explained, perturbed
 from ...mechanics.scales import apart, resting
 from ..checks import Check
 from ..errors import shown_groups
-from ..measure import Measurement, assess, gates, missed
+from ..measure import Measurement, Standard, assess, gates, missed
 from ..verdict import BALANCES, judged
 from . import spoilt_motion as spoilt
 from .sizes import length, sizes
@@ -89,7 +89,8 @@ class Thinned:
 
     def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
         """The judgement of another motion in place of the run's."""
-        return assess(reference or self.reference, self.sampling, replace(self.run, motion=motion), self.explained)
+        standard = Standard(reference or self.reference, self.sampling, self.explained)
+        return assess(standard, replace(self.run, motion=motion))
 
 
 Noticed: TypeAlias = Callable[[Thinned], bool]  # whether the comparison notices what is wrong with a copy

@@ -30,9 +30,8 @@ from ...engines.registry import ORACLE, REFERENCE
 from ...engines.runner import HERE, Runs
 from ...judge.errors import worst_of
 from ...judge.floor import NO_ANSWER
-from ...judge.measure import Measurement, attempts, checked_run, measure, offers
+from ...judge.measure import Measurement, Standard, attempts, checked_run, offers
 from ...mechanics.reference import Reference, uncertified
-from ...mechanics.round_off import Explained, explain
 from .digits import digits_lost
 
 PARTIAL = "hard.partial.jsonl"
@@ -118,37 +117,38 @@ def _examined(ladder: Ladder, case: Case, runs: Runs) -> list[Row]:
     try:
         scene = rung.scene()
         reference = uncertified(scene)
-        explained = explain(reference, sampling)
+        standard = Standard.of(reference, sampling)
     except InputError as error:
         outcome = Outcome.refused if rung.status == hard.INVALID else Outcome.false_alarm
         return [case_row(case, hard.INVALID, str(error), "reader", outcome)]
     except Failure as failure:
         return [_nothing_to_solve(case, scene, sampling, failure, rung.status, runs)]
     if case.engine == REFERENCE:
-        row = _certified(case, reference, sampling, explained, rung.status)
+        row = _certified(case, standard, rung.status)
         return [_counted(row, reference) if ladder.file.digits and row["outcome"] == Outcome.right else row]
-    attempt = partial(measure, reference, case.engine, sampling, explained=explained, runs=runs)
+    attempt = partial(standard.measure, case.engine, runs=runs)
     made = attempts(attempt, offers(case.engine, "balanced"))
-    return [_attempted(case, reference, measured, explained) for measured in made]
+    return [_attempted(case, standard, measured) for measured in made]
 
 
-def _attempted(case: Case, reference: Reference, measured: Measurement, explained: Explained) -> Row:
+def _attempted(case: Case, standard: Standard, measured: Measurement) -> Row:
     run = measured.run
     promise, setting = (run.settings.promise, run.settings.label) if run.settings else (0.0, "")
     # An attempt is judged by what it computed, whatever status it ended with: within the promise, after round-off is
     # explained, its failure was a false alarm.
     kept = bool(measured.errors) and worst_of(measured.errors, "unexplained").unexplained <= promise
-    denied = run.status is Status.cannot_assemble and explained.decidable
+    denied = run.status is Status.cannot_assemble and standard.explained.decidable
     outcome = Outcome.false_alarm if kept or denied else Outcome.refused
     if run.status is Status.ok:
         outcome = Outcome.right
     elif run.found_by == "reference":
         outcome = Outcome.silent
     row = case_row(case, run.status.name, run.reason, run.found_by, outcome)
-    return row | {"setting": setting, "seconds": run.seconds} | _figures(measured, reference, explained)
+    return row | {"setting": setting, "seconds": run.seconds} | _figures(measured, standard)
 
 
-def _figures(measured: Measurement, reference: Reference, explained: Explained) -> Row:
+def _figures(measured: Measurement, standard: Standard) -> Row:
+    reference, explained = standard.reference, standard.explained
     row: Row = {"condition": float(explained.condition.max())}
     if measured.run.motion is not None and measured.comparison is not None:
         place, time = measured.comparison.position, measured.run.motion["time"]
@@ -160,9 +160,9 @@ def _figures(measured: Measurement, reference: Reference, explained: Explained) 
     return row | {f"{group}_{figure}": sizes[group] for group in worst["max"] for figure, sizes in worst.items()}
 
 
-def _certified(case: Case, reference: Reference, sampling: Sampling, explained: Explained, expected: str) -> Row:
+def _certified(case: Case, standard: Standard, expected: str) -> Row:
     """The row of the reference itself, which arbitrary precision knows better."""
-    measured = measure(reference, ORACLE, sampling, explained=explained)
+    measured = standard.measure(ORACLE)
     run = measured.run
     outcome, missed = (Outcome.right, "") if run.status is Status.ok else (Outcome.silent, run.reason)
     if expected != Status.ok.name:
@@ -171,7 +171,7 @@ def _certified(case: Case, reference: Reference, sampling: Sampling, explained: 
         outcome, missed = Outcome.uncertified, ""
     row = case_row(case, Status.ok.name, missed, "", outcome)
     setting = {"setting": f"against {registry.ENTRIES[ORACLE].distribution}"}
-    return row | setting | _figures(measured, reference, explained)
+    return row | setting | _figures(measured, standard)
 
 
 def _counted(row: Row, reference: Reference) -> Row:

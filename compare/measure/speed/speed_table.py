@@ -22,10 +22,9 @@ from ...engines.processes.stopping import Progress, kept
 from ...engines.registry import REFERENCE, settings_of, tiers
 from ...engines.runner import HERE, Run, Runs
 from ...judge.checks import Check
-from ...judge.measure import Measurement, assess
+from ...judge.measure import Measurement, Standard, assess
 from ...judge.verdict import MAX_GAP, MAX_SUM
 from ...mechanics.reference import Reference
-from ...mechanics.round_off import explain
 from .share import ERRORS, LEFT_OUT, SAMPLING, EngineShare, Watch, at_samples, last_run, steps_per_cycle
 from .work_precision import LEVELS, TIE_TOL, SpeedRow, contenders, groups, solved
 
@@ -76,7 +75,7 @@ def speed_table(
     """
     # by name: the core has others of its own, which no engine is held against
     sampling = replace(SAMPLING, channels=channels or frozenset(reference.scene.channels.names()))
-    names, watch, explained = list(engines), Watch(runs), explain(reference, sampling)
+    names, watch, standard = list(engines), Watch(runs), Standard.of(reference, sampling)
     allowed, known = watch.allowed(budget.share, budget.since), at_samples(main, sampling)
 
     def at(engine: str, settings: Settings) -> Measurement:
@@ -84,9 +83,9 @@ def speed_table(
         run = main_run.run if main_run else runs.run(engine, reference.scene, sampling, settings)
         checked = main_run and run.settings and run.settings.promise <= settings.promise  # at its samples and more
         run = replace(run, settings=settings)
-        held = assess(reference, sampling, run, explained, _none)
-        found = checked or run.status is not Status.ok or confirmed(reference, held)
-        return held if found else assess(reference, sampling, run, explained)
+        held = assess(standard, run, _none)
+        found = checked or run.status is not Status.ok or confirmed(standard, held)
+        return held if found else assess(standard, run)
 
     def error_runs() -> Iterator[tuple[Run, SpeedRow]]:
         for number, engine in enumerate(names):
@@ -131,9 +130,9 @@ def _none(_: Motion) -> list[Check]:
 # The checks of a run's own output take twice as long as all else that is done with it. They were made for runs without
 # a reference. Where one that is certified has every channel within a tenth of what the checks allow, poses that close,
 # forces that balance and one branch follow: over the joints of a body errors add up to `MAX_SUM` times the largest.
-def confirmed(reference: Reference, held: Measurement) -> bool:
+def confirmed(standard: Standard, held: Measurement) -> bool:
     """Whether the reference alone shows that a run is ok, which was held against it without checks."""
-    run, floor = held.run, reference.floor
+    run, floor = held.run, standard.reference.floor
     if run.status is not Status.ok or run.settings is None or not held.errors or floor.doubt or not floor.by_channel:
         return False
     promise = run.settings.promise

@@ -100,7 +100,7 @@ def _efficiency(study: Study) -> Iterator[str]:
 
 def frictionless(scene: Scene, motion: Motion) -> Samples:
     """The drive's torque, N m, or force, N, without friction, at the samples of a motion."""
-    free, channel = replace(scene, friction=()), scene.effort_channel
+    free, channel = replace(scene, friction=()), scene.channels.drive.effort
     return registry.reference(free, frozenset((channel,)))(motion.inputs(free))[channel]
 
 

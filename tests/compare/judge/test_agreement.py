@@ -9,7 +9,7 @@ import pytest
 
 import compare
 from compare.judge.agreement import Agreement, Judgement, Word, worst_error
-from compare.judge.measure import Measurement, assess, measure
+from compare.judge.measure import Measurement, Standard, assess, measure
 from compare.judge.verdict import sized, within
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference
@@ -137,7 +137,8 @@ def test_an_engine_that_gives_the_drive_alone_confirms_nothing(judge: Judge, ref
     assert judged.agreement.sentence.startswith("stub gives nothing to compare; a calculation with 50 digits confirms")
     assert judged.missed == [f"stub: unsupported: {reason}"]
     run = replace(judged.measurements[1].run, status=Status.ok, reason="")
-    drive = assess(reference, replace(SAMPLING, channels=frozenset(own)), run, judged.explained)
+    asked = replace(SAMPLING, channels=frozenset(own))
+    drive = assess(Standard(reference, asked, judged.explained), run)
     assert drive.run.status is Status.ok
 
 

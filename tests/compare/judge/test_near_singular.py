@@ -7,10 +7,9 @@ import pytest
 
 from compare.engines import registry
 from compare.engines.runner import Run
-from compare.judge.measure import Measurement, assess
+from compare.judge.measure import Measurement, Standard, assess
 from compare.judge.triage import near_singular, sentences
 from compare.mechanics.reference import Reference, uncertified
-from compare.mechanics.round_off import explain
 from scenes import Motion, Sampling, Settings, Status
 from tests import scene_files
 
@@ -27,7 +26,7 @@ def astray(reference: Reference, angle: float) -> Measurement:
     other = registry.reference(scene_files.load("parallelogram", {**NEARLY, "sketch.C": [0.75, -0.2]}))(inputs)
     mixed = {c: np.where(position > angle, other[c], values) for c, values in own.samples.items() if c in other}
     run = Run("pymunk", Settings("x", promise=1e-2), Status.ok, motion=Motion(mixed))
-    return assess(reference, SAMPLING, run, explain(reference, SAMPLING))
+    return assess(Standard.of(reference, SAMPLING), run)
 
 
 @pytest.fixture(scope="module")

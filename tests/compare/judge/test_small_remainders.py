@@ -14,9 +14,8 @@ from compare import check
 from compare.engines.runner import Run
 from compare.judge.checks import checks, estimate
 from compare.judge.foreign import assess_result
-from compare.judge.measure import assess
+from compare.judge.measure import Standard, assess
 from compare.mechanics.reference import uncertified
-from compare.mechanics.round_off import explain
 from compare.results.result import read_result
 from scenes import Sampling, Settings, Status, from_tables
 from tests import scene_files
@@ -118,11 +117,11 @@ def test_a_wrong_effort_is_still_found(frequency: float, terms: float) -> None:
     reference = uncertified(scene_files.load("mass_on_spring", law("mass", 0.1, frequency)))
     assert reference.scale["drive.force"] == pytest.approx(abs(terms), rel=1e-6)
     run = Run("x", Settings("", promise=1e-7), Status.ok, motion=commanded(reference, SAMPLES))
-    explained = explain(reference, SAMPLES)
-    assert assess(reference, SAMPLES, run, explained).run.status is Status.ok
+    standard = Standard.of(reference, SAMPLES)
+    assert assess(standard, run).run.status is Status.ok
     assert run.motion is not None
     wrong = replace(run, motion=changed(run.motion, "drive.force", 5e-7 * abs(terms)))
-    judged = assess(reference, SAMPLES, wrong, explained)
+    judged = assess(standard, wrong)
     assert (judged.run.status, judged.run.found_by) == (Status.inaccurate, "checks")
     assert judged.errors[-1].unexplained == pytest.approx(5e-7, rel=1e-3)
 

@@ -12,10 +12,9 @@ from compare.engines.registry import tiers
 from compare.engines.runner import Run, run
 from compare.judge.causes.cause import UNKNOWN, Cause, Kind
 from compare.judge.causes.words import words
-from compare.judge.measure import assess
+from compare.judge.measure import Standard, assess
 from compare.judge.triage import cause, sentences
 from compare.mechanics.reference import Reference
-from compare.mechanics.round_off import explain
 from scenes import Instants, Motion, Settings, Status
 from scenes.channels import Role, named
 from scenes.model.inputs import inputs_of, passing
@@ -187,7 +186,7 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
     ok = Run("analytic", Settings("x"), Status.ok, motion=motion)
     failed = replace(ok, engine="exudyn", status=Status.inaccurate, motion=wrong)
     runs = (ok, failed, replace(ok, engine="pymunk"))
-    measured = [assess(reference, SAMPLING, one, explain(reference, SAMPLING)) for one in runs]
+    measured = [assess(Standard.of(reference, SAMPLING), one) for one in runs]
     line = "exudyn: P4.fx has the opposite sign"
     assert sentences(reference, measured) == {"exudyn": f"{line}, the others agree"}
     another = replace(measured[1], run=replace(failed, engine="other"))
@@ -212,6 +211,6 @@ def test_another_engine_with_the_same_mistake_does_not_agree(references: Referen
     kept = {c: v for c, v in motion.samples.items() if "P4.f" not in c}
     lacking = replace(right, engine="pymunk", motion=Motion(kept))
     for other in (coarse, lacking):
-        measured = [assess(reference, SAMPLING, one, explain(reference, SAMPLING)) for one in (right, failed, other)]
+        measured = [assess(Standard.of(reference, SAMPLING), one) for one in (right, failed, other)]
         line = sentences(reference, measured)["exudyn"]
         assert line == "exudyn: P4.fx is 1.05 times what it should be", other.engine

@@ -14,10 +14,9 @@ from compare.judge.causes.forces import force_causes
 from compare.judge.causes.numbers import number_causes
 from compare.judge.causes.whole import drive_causes
 from compare.judge.causes.words import words
-from compare.judge.measure import assess
+from compare.judge.measure import Standard, assess
 from compare.judge.triage import cause, likeliest, sentences
 from compare.mechanics.reference import Reference
-from compare.mechanics.round_off import explain
 from scenes import Motion, Sampling, Scene, Settings, Status
 from scenes.channels import Role, named
 from scenes.fields import put
@@ -138,6 +137,6 @@ def test_what_an_engine_does_not_give_is_not_what_is_wrong(reference: Reference)
     wrong = {c: 1.05 * own if c in ("T.vx", "T.vy") else own for c, own in commanded(reference.scene).items()}
     kinematic = Motion({c: own for c, own in wrong.items() if c not in forces}, dict.fromkeys(forces, "it has none"))
     run = Run("stub", Settings("", promise=1e-6), Status.ok, motion=kinematic)
-    measured = assess(reference, SAMPLING, run, explain(reference, SAMPLING))
+    measured = assess(Standard.of(reference, SAMPLING), run)
     assert measured.run.status is Status.inaccurate, measured.run.reason
     assert sentences(reference, [measured]) == {"stub": "stub: T's velocity is 1.05 times what it should be"}

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from compare.engines.runner import Run, run
-from compare.judge.measure import assess
+from compare.judge.measure import Standard, assess
 from compare.mechanics.reference import Reference, uncertified
-from compare.mechanics.round_off import explain
 from compare.mechanics.scales import chord
 from scenes import Motion, Sampling, Status
 from tests import scene_files
@@ -58,7 +57,7 @@ def beside_a_lever() -> Reference:
 @pytest.fixture(scope="module")
 def by_pymunk(beside_a_lever: Reference) -> Run:
     outcome = run("pymunk", beside_a_lever.scene, SAMPLING)
-    assert assess(beside_a_lever, SAMPLING, outcome, explain(beside_a_lever, SAMPLING)).run.status is Status.ok
+    assert assess(Standard.of(beside_a_lever, SAMPLING), outcome).run.status is Status.ok
     return outcome
 
 
@@ -70,8 +69,8 @@ def test_a_point_that_moves_little_is_judged_by_its_own_travel(
     values = by_pymunk.motion[channel]
     middle = (values.max() + values.min()) / 2
     wrong = Motion({**by_pymunk.motion.samples, channel: middle + 1.5 * (values - middle)})
-    explained = explain(beside_a_lever, SAMPLING)
-    assert assess(beside_a_lever, SAMPLING, replace(by_pymunk, motion=wrong), explained).run.status is not Status.ok
+    standard = Standard.of(beside_a_lever, SAMPLING)
+    assert assess(standard, replace(by_pymunk, motion=wrong)).run.status is not Status.ok
 
 
 def test_scales_of_points(beside_a_lever: Reference) -> None:

@@ -7,11 +7,10 @@ import pytest
 
 from compare.engines.registry import settings_of
 from compare.engines.runner import HERE, Run
-from compare.judge.measure import assess
+from compare.judge.measure import Standard, assess
 from compare.measure.speed import speed_table as table
 from compare.measure.speed.speed_table import NO_CLOCK, confirmed, speed_table
 from compare.mechanics.reference import Reference
-from compare.mechanics.round_off import Explained, explain
 from scenes import Motion, Sampling, Status
 
 from .stubs import quiet
@@ -24,8 +23,8 @@ def run_of(reference: Reference, engine: str, label: str, promise: float = 0.1) 
     return HERE.run(engine, reference.scene, FEW, replace(settings, promise=promise))
 
 
-def held(reference: Reference, run: Run, explained: Explained) -> bool:
-    return confirmed(reference, assess(reference, FEW, run, explained, lambda _: []))
+def held(standard: Standard, run: Run) -> bool:
+    return confirmed(standard, assess(standard, run, lambda _: []))
 
 
 @pytest.mark.parametrize(
@@ -39,9 +38,9 @@ def held(reference: Reference, run: Run, explained: Explained) -> bool:
     ],
 )
 def test_checks_find_nothing_in_what_is_confirmed(reference: Reference, engine: str, label: str, found: bool) -> None:
-    run, explained = run_of(reference, engine, label), explain(reference, FEW)
-    assert held(reference, run, explained) is found
-    assert assess(reference, FEW, run, explained).run.status is Status.ok
+    run, standard = run_of(reference, engine, label), Standard.of(reference, FEW)
+    assert held(standard, run) is found
+    assert assess(standard, run).run.status is Status.ok
 
 
 def shifted(motion: Motion, channel: str, by: float) -> Motion:
@@ -59,22 +58,22 @@ def shifted(motion: Motion, channel: str, by: float) -> Motion:
     ids=["drive", "place", "force", "sign"],
 )
 def test_what_is_off_is_not(reference: Reference, harm: Callable[[Motion], Motion]) -> None:
-    run, explained = run_of(reference, "analytic", "differences 360"), explain(reference, FEW)
+    run, standard = run_of(reference, "analytic", "differences 360"), Standard.of(reference, FEW)
     assert run.motion is not None
-    assert not held(reference, replace(run, motion=harm(run.motion)), explained)
+    assert not held(standard, replace(run, motion=harm(run.motion)))
 
 
 def test_nothing_is_where_the_reference_is_not_certified(reference: Reference) -> None:
-    run, explained = run_of(reference, "analytic", "differences 360"), explain(reference, FEW)
-    assert held(reference, run, explained)
+    run, standard = run_of(reference, "analytic", "differences 360"), Standard.of(reference, FEW)
+    assert held(standard, run)
     for floor in (replace(reference.floor, by_channel={}), replace(reference.floor, doubt="a doubt")):
-        assert not held(replace(reference, floor=floor), run, explained)
+        assert not held(standard._replace(reference=replace(reference, floor=floor)), run)
 
 
 def test_a_setting_that_promises_more_is_checked(reference: Reference) -> None:
     """Differences of 360 positions leave 1.4e-4 of the accelerations: more than a tenth of 1e-3."""
-    run, explained = run_of(reference, "analytic", "differences 360", promise=1e-3), explain(reference, FEW)
-    assert not held(reference, run, explained)
+    run, standard = run_of(reference, "analytic", "differences 360", promise=1e-3), Standard.of(reference, FEW)
+    assert not held(standard, run)
 
 
 def test_what_is_not_confirmed_has_the_status_that_checks_give(
