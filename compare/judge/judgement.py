@@ -19,7 +19,6 @@ from ..mechanics.round_off import MAX_EXCUSED, Explained
 from ..mechanics.scales import relative_errors
 from .agreement import Judgement
 from .errors import worst_of
-from .foreign import assess_result
 from .measure import Measurement, Standard, escalated
 from .plausibility import remarks
 from .verdict import doubted_core, judged, share
@@ -59,6 +58,8 @@ def judgement(
             reasons.extend(beyond(measured, standard.explained))
             yield measured
         for result in results:
+            from .foreign import assess_result  # late, as what few runs need
+
             progress(f"comparing {result.run.engine}")
             reasons.extend(result.notes)
             assessed = assess_result(reference, result)
