@@ -17,6 +17,7 @@ from compare.engines import TRACEBACK, registry
 from compare.engines.kept import version
 from compare.engines.registry import settings_of, tiers
 from compare.run import main
+from scenes import load
 from tests.sites import GOOD, install, known
 
 OWN = f"{GOOD}from scenes import Failure, Settings, Status\nclass N:\n    def __init__(self, *_): pass\n"
@@ -97,6 +98,7 @@ ENDINGS = {  # what an import leaves for later
 
 @pytest.fixture(scope="module", autouse=True)
 def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    load("four_bar")  # pydantic reads the metadata of all that is installed once: here before some is nobody's text
     site = tmp_path_factory.mktemp("site")
     texts = {name: text for name, (text, *_) in (MODULES | BREAKS).items()} | ENDINGS
     texts |= {name: f"{SPOILT}def spoilt(s):\n    {body}\n" for name, (body, _) in RAISING.items()}
