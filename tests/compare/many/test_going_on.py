@@ -22,7 +22,6 @@ from compare.measure.many.family import Asked, Family, Member
 from compare.measure.many.going_on import by_processes, going_on, kept_members
 from compare.measure.many.grid import grid, variation
 from compare.report.output.files import write_family
-from compare.run import main
 from scenes import Sampling, load
 from tests.comparisons import SLOW
 from tests.deaths import children, doomed, within
@@ -184,7 +183,8 @@ def test_an_engine_that_dies_is_a_row_of_its_member(tmp_path: Path) -> None:
 def test_whatever_dies_the_family_is_the_same(tmp_path: Path) -> None:
     """A run by workers that meets Ctrl-C, and one that goes on from there and loses a worker."""
     arguments = [str(CRANK_SLIDER), *SPEEDS, "--engines", "analytic,pymunk", "--out"]
-    assert main([*arguments, str(tmp_path / "alone")]) == 0
+    # In a process of its own, as the workers are, which certify as many positions as users' runs do.
+    subprocess.run([sys.executable, "-m", "compare.run", *arguments, str(tmp_path / "alone")], check=True, cwd=ROOT)
     status, told = stopped([*arguments, str(tmp_path / "out")], tmp_path, 1, lambda run: os.killpg(run.pid, SIGINT))
     assert (status, told.count("\n")) == (130, 1)
     assert "Stopped after" in (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
