@@ -39,7 +39,7 @@ def _differences(steps: int) -> AnalyticSettings:
     return AnalyticSettings(f"differences {steps}", steps=steps, family="differences", order=2, note=note)
 
 
-KINDS = kinds_of((*RULES, *CONTACTS, *(joint.of for joint in JOINTS))) | DRIVES
+KINDS = kinds_of((*RULES, *CONTACTS, *(joint.declared for joint in JOINTS))) | DRIVES
 MIN_SPRING_LENGTH = 1e-12  # of the longest arm: a shorter one's direction is round-off
 DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (

@@ -39,7 +39,7 @@ class JudgedContact(ABC):
         """By how much a newton more in every joint of a linkage of a size, m, is more of the load."""
 
 
-class JudgedPin(JudgedContact):
+class JudgedPinContact(JudgedContact):
     """A pin in its hole."""
 
     turns = True
@@ -64,7 +64,7 @@ class JudgedPin(JudgedContact):
         return 1.0
 
 
-class JudgedGuide(JudgedContact):
+class JudgedGuideContact(JudgedContact):
     """A slider in its guide, which touches at both ends of the contact."""
 
     turns = False
@@ -93,4 +93,7 @@ class JudgedGuide(JudgedContact):
         return 1 + 2 * size / friction.length
 
 
-CONTACTS: Mapping[type[Friction], JudgedContact] = {PinFriction: JudgedPin(), GuideFriction: JudgedGuide()}
+CONTACTS: Mapping[type[Friction], JudgedContact] = {
+    PinFriction: JudgedPinContact(),
+    GuideFriction: JudgedGuideContact(),
+}

@@ -21,7 +21,7 @@ LISTED, MANY = 3, 6  # things of a kind that a message names
 TRIED = 40  # bodies, and joints, that are left out to see what the rest does
 
 
-class Joint(NamedTuple):
+class Held(NamedTuple):
     """A joint between two bodies, one of which may be the ground."""
 
     name: str  # as messages have it
@@ -77,19 +77,19 @@ def _without_number(name: str) -> str:
     return name.rstrip("0123456789")
 
 
-def _joints(scene: Scene, without: str = "") -> list[Joint]:
+def _joints(scene: Scene, without: str = "") -> list[Held]:
     """The joints of a linkage but its drive, or of what is left of it without one of its bodies."""
     found = []
     for point, owners in scene.owners.items():
         first, *others = [owner for owner in owners if owner != without] or [""]
-        found += [Joint(f"the pin {point} of {first} and {other}", first, other) for other in others]
+        found += [Held(f"the pin {point} of {first} and {other}", first, other) for other in others]
     slides = [(name, slide.on) for name, slide in scene.slides.items() if without not in (name, slide.on)]
-    found += [Joint(f"the guide of {name}", on, name) for name, on in slides]
+    found += [Held(f"the guide of {name}", on, name) for name, on in slides]
     more = (joint for joint in scene.joints if not isinstance(joint, Pin | Guide | DriveJoint))
-    return found + [Joint(each.label, *each.between, each.equations) for each in more if without not in each.between]
+    return found + [Held(each.label, *each.between, each.equations) for each in more if without not in each.between]
 
 
-def _pattern(scene: Scene, bodies: Iterable[str], joints: Iterable[Joint]) -> Pattern:
+def _pattern(scene: Scene, bodies: Iterable[str], joints: Iterable[Held]) -> Pattern:
     """By equation the coordinates that occur in it: three a body, in order; the equation of the drive is the last."""
     first = {body: 3 * number for number, body in enumerate(bodies)}
     ends = [(joint.first, joint.second) for joint in joints for _ in range(joint.equations)] + [
@@ -164,6 +164,6 @@ def _superfluous(scene: Scene) -> str:
     return f"more joints than freedoms hold {', '.join([body for body in bodies if body in held][:MANY])}"
 
 
-def _determined(pattern: Pattern, bodies: Collection[str], _: Collection[Joint]) -> bool:
+def _determined(pattern: Pattern, bodies: Collection[str], _: Collection[Held]) -> bool:
     """Whether there are as many equations as coordinates, and each has one of its own."""
     return len(pattern) == 3 * len(bodies) == len(matched(pattern))

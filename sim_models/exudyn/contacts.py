@@ -35,7 +35,7 @@ class ExudynContact(ABC):
         """Fill in what turns or slides on the coordinates q by a unit of it, both of shape (n, 3 bodies)."""
 
 
-class ExudynPin(ExudynContact):
+class ExudynPinContact(ExudynContact):
     """A pin in its hole."""
 
     round = True
@@ -55,7 +55,7 @@ class ExudynPin(ExudynContact):
                 B[:, 3 * [*system.bodies].index(body) + TURN] = sign
 
 
-class ExudynGuide(ExudynContact):
+class ExudynGuideContact(ExudynContact):
     """A slider in its guide, which touches at both ends of the contact."""
 
     round = False
@@ -85,4 +85,7 @@ class ExudynGuide(ExudynContact):
                 B[:, number : number + 3] = sign * np.stack([along.real, along.imag, turns], axis=1)
 
 
-CONTACTS: Mapping[type[Friction], ExudynContact] = {PinFriction: ExudynPin(), GuideFriction: ExudynGuide()}
+CONTACTS: Mapping[type[Friction], ExudynContact] = {
+    PinFriction: ExudynPinContact(),
+    GuideFriction: ExudynGuideContact(),
+}

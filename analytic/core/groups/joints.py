@@ -50,7 +50,7 @@ class Way(NamedTuple):
 class GroupJoint(ABC):
     """A joint between `body`, and `on`."""
 
-    of: ClassVar[type[Joint]]  # what it is in a scene
+    declared: ClassVar[type[Joint]]  # what it is in a scene
     parts: ClassVar[tuple[Part, ...]]
     body: str
 
@@ -90,7 +90,7 @@ class PinJoint(GroupJoint):
     Of the bodies of a group that name a point, all hang on the first.
     """
 
-    of = Pin
+    declared = Pin
     parts = (Part.x, Part.y)
     on: str | None
     point: str
@@ -138,7 +138,7 @@ class PinJoint(GroupJoint):
 class GuideJoint(GroupJoint):
     """A guide: `body` slides on the body `on`, either of which may be placed."""
 
-    of = Guide
+    declared = Guide
     parts = (Part.across, Part.turn)
     on: str
 
@@ -176,16 +176,16 @@ class GuideJoint(GroupJoint):
 
 
 @dataclass(frozen=True)
-class DriveJoint(GroupJoint):
+class GroupDrive(GroupJoint):
     """A drive of `body` against the body `on`."""
 
-    of: ClassVar[type[scenes.joints.DriveJoint]]
+    declared: ClassVar[type[scenes.joints.DriveJoint]]
     on: str
 
     @classmethod
     def among(cls, scene: Scene, bodies: Sequence[str], placed: frozenset[str]) -> Iterator[GroupJoint]:
         """Yield the drives between moving bodies."""
-        drives = (joint.drive for joint in scene.joints if isinstance(joint, cls.of))
+        drives = (joint.drive for joint in scene.joints if isinstance(joint, cls.declared))
         ends = ((drive.body, drive.on) for drive in drives)
         return (cls(*pair) for pair in ends if GROUND not in pair and _joins(pair, bodies, placed))
 
@@ -196,11 +196,11 @@ class DriveJoint(GroupJoint):
 
 
 @dataclass(frozen=True)
-class TurningJoint(DriveJoint):
+class TurningJoint(GroupDrive):
     """A drive that turns `body` against `on`."""
 
     parts = (Part.turn,)
-    of = TurningDrive
+    declared = TurningDrive
 
     @property
     def turns(self) -> Mapping[str, float]:
@@ -214,11 +214,11 @@ class TurningJoint(DriveJoint):
 
 
 @dataclass(frozen=True)
-class SlidingJoint(DriveJoint):
+class SlidingJoint(GroupDrive):
     """A drive that moves `body` along its guide on `on`."""
 
     parts = (Part.along,)
-    of = SlidingDrive
+    declared = SlidingDrive
 
     def act(self, balance: "Balance", bodies: Sequence[str], *multipliers: Any) -> None:
         """Push both along the guide."""
